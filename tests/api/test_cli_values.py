@@ -235,7 +235,7 @@ def test_where_nothing_makes_png_files_they_are_refused_with_the_reason(supple: 
     (("voronoi", "grid.obj", "v0", "v5", "--optimize", "centroid"), "--optimize"),
     (("simulate", "IH01", "--uniaxial", "0", "--stretches", "-1"), "--stretches at index 0: must be"),
     (("simulate", "IH01", "-p", "9,9,9,9", "--uniaxial", "0", "--stretches", "1.1"), "--parameters at index 3: must lie between"),
-    (("design", "--task", "stress_strain", "--target", "0,0;1,1", "--polish-tolerance", "7"), "--polish-tolerance: must be"),
+    (("design", "--task", "stress_strain", "--target", "0,0;1,1", "--verify", "--polish-tolerance", "7"), "--polish-tolerance: must be"),
     (("weave", "layout", "regular", "--sheet", "99999x3"), "--sheet: must be"),
     (("weave", "simulate", "regular", "--sheet", "4x4", "--hold", "c999"), "--hold or --move"),
     (("structure", "IH21", "--cells", "1000x1000", "--svg", "x.svg"), "--cells: must be"),

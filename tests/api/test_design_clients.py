@@ -175,6 +175,47 @@ def test_the_exit_status_counts_every_region(program: Program, designs: Api) -> 
     assert finished.returncode == 7 and "heel: " in finished.stderr and "toe: " not in finished.stderr
 
 
+def test_what_is_printed_about_several_regions_follows_the_worst_one(program: Program, designs: Api) -> None:
+    known = {name: value for name, value in known_problem(designs).items() if name != "accuracy"}
+    far = {"task": "stress_strain", "family": "IH29", "target": {"control_points": [[0.01, 100], [0.03, 300]]}}
+    regions = {"sole": [{**known, "name": "toe"}, {**far, "name": "heel"}], "unnamed": [far, known, known]}
+    for name, shown, count in (("sole", "heel", 2), ("unnamed", "region 1", 3)):
+        (program.folder / f"{name}.json").write_text(json.dumps({"regions": regions[name]}))
+        finished = program.run("design", "--regions", f"{name}.json", "--candidates", "24", "--starts", "3")
+        sentence = f"worst of {count} regions is {shown}: "
+        assert finished.stdout.startswith("The " + sentence), finished.stdout
+        assert sentence in finished.stderr and finished.returncode == 7, finished.stderr
+
+
+def test_what_the_model_says_is_marked_and_the_simulation_outranks_it(program: Program) -> None:
+    few = ["design", "--task", "stress_strain", "--family", "IH67", *QUICK, "--missed-ok", "--samples", "3", "--ways-out", "off",
+           "--target", "0,0;0.02,0.01;0.04,0.02"]
+    text = program.ok(*few)
+    assert "by the model: nothing was simulated" in text and "model reaches" in text and "simulation reaches" not in text
+    answer = json.loads(program.ok("--json", *few, "--verify", "--polish-rounds", "2"))
+    text = program.ok(*few, "--verify", "--polish-rounds", "2", "--plot", "plot.svg")
+    assert "ranking     by the simulation" in text and "simulation reaches" in text and "model reaches" in text
+    simulated = f"{100 * answer['ranking'][0]['simulated_error']:.3g} %"
+    (ranked,) = [line for line in text.splitlines() if line.lstrip().startswith("1  IH67")]
+    by_model = f"{100 * answer['ranking'][0]['error']['relative_rms']:.3g} %"
+    assert ranked.index(simulated) <= ranked.rindex(by_model)
+    titles = [element.text or "" for element in ElementTree.parse(program.folder / "plot.svg").iter(SVG + "text")]
+    assert any(", simulated off by " in title for title in titles)
+
+
+def test_each_round_of_polishing_is_printed_with_its_deviation_and_time(program: Program) -> None:
+    polished = ["design", "--task", "stress_strain", "--family", "IH67", *QUICK, "--missed-ok", "--samples", "3", "--ways-out", "off",
+                "--target", "0,0;0.02,0.01;0.04,0.02", "--verify", "--polish-rounds", "2", "--polish-tolerance", "1e-9"]
+    rounds = json.loads(program.ok("--json", *polished))["polish"]["rounds"]
+    lines = program.ok(*polished).splitlines()
+    heading = next(i for i, line in enumerate(lines) if line.split()[:3] == ["round", "simulation", "seconds"])
+    assert len(rounds) > 1
+    for number, entry in enumerate(rounds):
+        shown = lines[heading + 1 + number].split()
+        assert shown[0] == str(number) and shown[1] == f"{100 * entry['target_error']:.3g}" and float(shown[3]) >= 0
+        assert ("yes" in shown) == entry["accepted"]
+
+
 PART = ["design", "--task", "stress_strain", "--family", "IH67", "--direction", "30deg", "--starts", "1", "--candidates", "24", "--missed-ok",
         "--target", "0,0;5%,100kPa;0.1,0.2MPa"]
 

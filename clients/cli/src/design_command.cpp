@@ -7,6 +7,7 @@
 #include "commands.h"
 #include "design_output.h"
 #include "failure.h"
+#include "idle_options.h"
 #include "measured_curve_arguments.h"
 #include "numbers.h"
 #include "part_request.h"
@@ -222,24 +223,66 @@ void make_parts(Session& session, const DesignArguments& arguments, const nlohma
   }
 }
 
-/// Throws Failure(missed) if a design misses its target, or if nothing tells whether it reaches it.
+/// Throws Failure(missed) if a design misses its target, or if nothing tells whether it reaches it. The message begins
+/// with the worst one, and names the regions if there are several.
 void fail_on_missed(const nlohmann::json& answer) {
   std::string missed;
-  for (const auto& design : designs_in(answer)) {
-    const auto& verdict = design.at("verdict");
-    const auto grade = verdict.at("grade").get<std::string>();
-    if (grade != "missed" && grade != "unknown") continue;
-    const auto region = design.contains("name") ? design.at("name").get<std::string>() + ": " : "";
-    missed += fmt::format("{}{}{}", missed.empty() ? "" : "\n", region, verdict.at("sentence").get<std::string>());
+  const auto designs = designs_in(answer);
+  for (const std::size_t i : worst_first(designs)) {
+    if (!misses_target(designs[i])) break;
+    if (missed.empty() && designs.size() > 1) missed = fmt::format("the worst of {} regions is ", designs.size());
+    if (designs.size() > 1 || designs[i].contains("name")) missed += region_words(designs[i], i) + ": ";
+    missed += designs[i].at("verdict").at("sentence").get<std::string>() + "\n";
   }
   if (!missed.empty())
-    throw Failure(ExitCode::missed, missed + "\nThe exit status is 7; with --missed-ok it is 0 all the same.");
+    throw Failure(ExitCode::missed, missed + "The exit status is 7; with --missed-ok it is 0 all the same.");
 }
 
-void run(const GlobalOptions& options, const DesignArguments& arguments) {
+/// Refuses options about measurements and parts that have no effect.
+void check_inputs_and_outputs(const CLI::App& command, const GlobalOptions& options, const DesignArguments& arguments) {
+  const bool is_from_measurements = !arguments.target.empty() && is_measured(arguments.target);
+  constexpr const char* no_measurements = "without a file of measurements: give it with --target";
+  refuse_idle_options(command, {{"--columns", is_from_measurements, no_measurements},
+                                {"--units", is_from_measurements, no_measurements},
+                                {"--gauge-length", is_from_measurements, no_measurements},
+                                {"--area", is_from_measurements, no_measurements},
+                                {"--sense", is_from_measurements, no_measurements},
+                                {"--decimal-separator", is_from_measurements, no_measurements},
+                                {"--zero", is_from_measurements, no_measurements},
+                                {"--block", is_from_measurements, no_measurements},
+                                {"--loading", is_from_measurements, no_measurements},
+                                {"--rupture", is_from_measurements, no_measurements},
+                                {"--origin", is_from_measurements, no_measurements},
+                                {"--control-points", is_from_measurements, no_measurements}});
+  const auto& files = arguments.part_files;
+  bool has_file = false;
+  for (const auto* file : {&files.svg, &files.step, &files.stl, &files.three_mf, &files.dxf})
+    has_file |= !file->empty();
+  const bool is_described = !options.json && arguments.csv_file != "-" && arguments.plot_file != "-";
+  refuse_idle_options(
+      command, {{"--part", has_file || is_described, "without a file: give --stl, --3mf, --step, --dxf or --svg"}});
+}
+
+/// Refuses options about simulations and polishing that have no effect.
+void check_simulation(const CLI::App& command, const nlohmann::json& request) {
+  const auto effects = request.value("effects", nlohmann::json::object());
+  const bool is_polish_off = effects.value("polish", nlohmann::json()) == "off";
+  const bool is_verified = request.value("verify", nlohmann::json()) == true;
+  const bool is_simulated = is_verified || effects.value("polish", nlohmann::json()) == "on";
+  const char* const no_polish = is_simulated ? "with --polish off" : "without --verify or --polish on";
+  refuse_idle_options(command, {{"--verified-samples", is_simulated, "without --verify or --polish on"},
+                                {"--polish-tolerance", is_simulated && !is_polish_off, no_polish},
+                                {"--polish-rounds", is_simulated && !is_polish_off, no_polish},
+                                {"--polish-seconds", is_simulated && !is_polish_off, no_polish}});
+}
+
+void run(const CLI::App& command, const GlobalOptions& options, const DesignArguments& arguments) {
+  check_inputs_and_outputs(command, options, arguments);
   const auto outline = arguments.part.empty() ? nlohmann::json() : parse_sized_outline(arguments.part, "--part");
   Session session(options);
   const nlohmann::json request = request_of(arguments, session);
+  if (!request.contains("regions")) refuse_idle_profile_options(command, request.value("task", "stress_strain"));
+  check_simulation(command, request);
   const nlohmann::json answer = session.compute("/v1/designs", request).json();
   if (!arguments.csv_file.empty()) write_file(arguments.csv_file, designs_as_csv(answer));
   if (!arguments.plot_file.empty()) write_picture(arguments.plot_file, plot_svg(plots_of_designs(answer)));
@@ -417,7 +460,7 @@ void add_design_command(CLI::App& program, const GlobalOptions& options) {
       "0,0.4\n"
       "  supple design --request sole.json --plot regions.svg\n"
       "  supple design --task stress_strain --target tensile.csv --part coupon:12mmx30mm --stl coupon.stl");
-  command->callback([&options, arguments] { run(options, *arguments); });
+  command->callback([&options, arguments, command] { run(*command, options, *arguments); });
 }
 
 }  // namespace supple::cli

@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <numbers>
+#include <numeric>
 #include <optional>
+#include <utility>
 
 #include "cost_output.h"
 #include "csv_cells.h"
@@ -61,13 +64,23 @@ nlohmann::json error_bar_at(const nlohmann::json& profile, std::size_t i) {
   return bars.is_null() ? nlohmann::json(nullptr) : bars.at(i);
 }
 
+/// Whether the simulation reaches the target at a sample that was simulated: what the range says in which it lies.
+const char* simulation_reaches(const nlohmann::json& profile, double x) {
+  bool reaches = true;
+  for (const auto& range : profile.at("ranges")) {
+    if (range.at("from").get<double>() <= x && x <= range.at("to").get<double>())
+      reaches = reaches && range.at("reached").get<bool>();
+  }
+  return reaches ? "yes" : "no";
+}
+
 void print_samples(const nlohmann::json& profile) {
   const bool verified = !profile.at("verified").is_null();
   const std::string unit = y_unit(profile);
   fmt::print("{}\n{:>10}  {:>12} {:>12} {:>9} {:>12}", kind_text(profile), x_heading(profile), "target" + unit,
-             "achieved" + unit, "error bar", "initial" + unit);
-  if (verified) fmt::print(" {:>13}", "verified" + unit);
-  fmt::print("  {:<7}  {}\n", "reached", "in range");
+             "model" + unit, "error bar", "initial" + unit);
+  if (verified) fmt::print(" {:>13}  {:<18}", "simulated" + unit, "simulation reaches");
+  fmt::print("  {:<13}  {}\n", "model reaches", "in range");
   const auto& xs = profile.at("x");
   const double scale = scale_of({&profile.at("target"), &profile.at("achieved")});
   for (std::size_t i = 0; i < xs.size(); ++i) {
@@ -76,31 +89,39 @@ void print_samples(const nlohmann::json& profile) {
                error_bar_text(error_bar_at(profile, i), scale), rounded(profile.at("initial")[i], scale));
     if (verified) {
       const auto value = verified_at(profile, xs[i]);
-      fmt::print(" {:>13}", value ? rounded(*value, scale) : "");
+      fmt::print(" {:>13}  {:<18}", value ? rounded(*value, scale) : "",
+                 value ? simulation_reaches(profile, xs[i].get<double>()) : "");
     }
-    fmt::print("  {:<7}  {}\n", profile.at("reached")[i].get<bool>() ? "yes" : "no",
+    fmt::print("  {:<13}  {}\n", profile.at("reached")[i].get<bool>() ? "yes" : "no",
                profile.at("in_range")[i].get<bool>() ? "yes" : "no");
-  }
-}
-
-void print_ranking(const nlohmann::json& ranking) {
-  fmt::print("{:>4}  {:<8}  {:<10}  {:>10}  {:>11}  {:>10}  {:>9}  {:<16}  {}\n", "rank", "family", "model",
-             "deviation", "model error", "largest", "E, MPa", "stopped", "parameters");
-  int rank = 0;
-  for (const auto& candidate : ranking) {
-    const auto& error = candidate.at("error");
-    const auto& model_error = candidate.at("model_error");
-    fmt::print("{:>4}  {:<8}  {:<10}  {:>10}  {:>11}  {:>10}  {:>9}  {:<16}  {}\n", ++rank,
-               text_in(candidate, "family"), text_in(candidate, "model"), percent(error),
-               model_error.is_null() ? "unknown" : fmt::format("{:.3g} %", 100 * model_error.get<double>()),
-               fmt::format("{:.3g}", error.at("max").get<double>()),
-               fmt::format("{:.4g}", candidate.at("material").at("youngs_modulus").get<double>()),
-               text_in(candidate, "stopped"), numbers_text(candidate.at("parameters")));
   }
 }
 
 std::string error_text(const nlohmann::json& error) {
   return error.is_null() ? "not simulated" : fmt::format("{:.3g} %", 100 * error.get<double>());
+}
+
+void print_ranking(const nlohmann::json& ranking) {
+  bool simulated = false;
+  for (const auto& candidate : ranking) simulated = simulated || !candidate.at("simulated_error").is_null();
+  fmt::print("ranking     {}\n", simulated ? "by the simulation, and by the model those that were not simulated"
+                                           : "by the model: nothing was simulated");
+  fmt::print("{:>4}  {:<8}  {:<10}", "rank", "family", "model");
+  if (simulated) fmt::print("  {:>13}", "simulation");
+  fmt::print("  {:>10}  {:>11}  {:>13}  {:>9}  {:<16}  {}\n", "by model", "model error", "model at most", "E, MPa",
+             "stopped", "parameters");
+  int rank = 0;
+  for (const auto& candidate : ranking) {
+    const auto& error = candidate.at("error");
+    const auto& model_error = candidate.at("model_error");
+    fmt::print("{:>4}  {:<8}  {:<10}", ++rank, text_in(candidate, "family"), text_in(candidate, "model"));
+    if (simulated) fmt::print("  {:>13}", error_text(candidate.at("simulated_error")));
+    fmt::print("  {:>10}  {:>11}  {:>13}  {:>9}  {:<16}  {}\n", percent(error),
+               model_error.is_null() ? "unknown" : fmt::format("{:.3g} %", 100 * model_error.get<double>()),
+               fmt::format("{:.3g}", error.at("max").get<double>()),
+               fmt::format("{:.4g}", candidate.at("material").at("youngs_modulus").get<double>()),
+               text_in(candidate, "stopped"), numbers_text(candidate.at("parameters")));
+  }
 }
 
 void print_polish(const nlohmann::json& polish) {
@@ -110,6 +131,13 @@ void print_polish(const nlohmann::json& polish) {
     fmt::print(", {} before it was polished in {} {}", error_text(rounds[0].at("target_error")), rounds.size() - 1,
                rounds.size() == 2 ? "round" : "rounds");
   fmt::print(" ({})\n", text_in(polish, "stopped"));
+  if (rounds.size() < 2) return;
+  fmt::print("{:>5}  {:>13}  {:>7}  {:<10}  {}\n", "round", "simulation", "seconds", "proposal", "kept");
+  int number = 0;
+  for (const auto& round : rounds)
+    fmt::print("{:>5}  {:>13}  {:>7.3g}  {:<10}  {}\n", number++, error_text(round.at("target_error")),
+               round.at("seconds").get<double>(), text_in(round, "proposal"),
+               round.at("accepted").get<bool>() ? "yes" : "no: " + text_in(round, "reason"));
 }
 
 void print_structure(const nlohmann::json& material, const nlohmann::json& structure) {
@@ -135,6 +163,14 @@ void print_ways_out(const nlohmann::json& design) {
   if (ways == design.end() || ways->empty()) return;
   fmt::print("What helps:\n");
   for (const auto& way : *ways) fmt::print("  {}\n", text_in(way, "sentence"));
+}
+
+/// How bad a design is: whether nothing tells that its target is reached, then its deviation.
+std::pair<bool, double> badness(const nlohmann::json& design) {
+  const auto& verdict = design.at("verdict");
+  const auto& deviation = verdict.at("deviation");
+  return {misses_target(design),
+          deviation.is_null() ? std::numeric_limits<double>::infinity() : deviation.get<double>()};
 }
 
 void print_design(const nlohmann::json& design) {
@@ -170,6 +206,23 @@ std::vector<nlohmann::json> designs_in(const nlohmann::json& answer) {
   if (const auto regions = answer.find("regions"); regions != answer.end())
     return regions->get<std::vector<nlohmann::json>>();
   return {answer};
+}
+
+bool misses_target(const nlohmann::json& design) {
+  const auto grade = text_in(design.at("verdict"), "grade");
+  return grade == "missed" || grade == "unknown";
+}
+
+std::vector<std::size_t> worst_first(const std::vector<nlohmann::json>& designs) {
+  std::vector<std::size_t> order(designs.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return badness(designs[a]) > badness(designs[b]); });
+  return order;
+}
+
+std::string region_words(const nlohmann::json& design, std::size_t index) {
+  return design.contains("name") ? text_in(design, "name") : fmt::format("region {}", index + 1);
 }
 
 std::vector<nlohmann::json> profiles_in(const nlohmann::json& design) {
@@ -210,7 +263,14 @@ std::string designs_as_csv(const nlohmann::json& answer) {
 
 void print_designs(const nlohmann::json& answer) {
   bool first = true;
-  for (const auto& design : designs_in(answer)) {
+  const auto designs = designs_in(answer);
+  if (designs.size() > 1) {
+    const std::size_t worst = worst_first(designs).front();
+    fmt::print("The worst of {} regions is {}: ", designs.size(), region_words(designs[worst], worst));
+    print_verdict(designs[worst].at("verdict"));
+    fmt::print("\n");
+  }
+  for (const auto& design : designs) {
     if (!first) fmt::print("\n");
     print_design(design);
     first = false;

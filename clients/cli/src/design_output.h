@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -10,6 +11,16 @@ namespace supple::cli {
 std::vector<nlohmann::json> designs_in(const nlohmann::json& answer);
 /// The profiles of a design: that of the main target, then the others.
 std::vector<nlohmann::json> profiles_in(const nlohmann::json& design);
+
+/// Whether a design misses its target, or nothing tells whether it reaches it.
+bool misses_target(const nlohmann::json& design);
+
+/// The indices of designs, the worst one first: those that miss their targets, then the others, by their deviations. A
+/// design without a deviation is the worst of its kind.
+std::vector<std::size_t> worst_first(const std::vector<nlohmann::json>& designs);
+
+/// What to call the region of a design, which is the `index`-th of several.
+std::string region_words(const nlohmann::json& design, std::size_t index);
 
 /// The name of one of several files: "name-2.svg" for the second; `file` itself if there is only one.
 std::string numbered_file(const std::string& file, std::size_t index, std::size_t count);

@@ -7,6 +7,7 @@
 
 #include "commands.h"
 #include "field_output.h"
+#include "idle_options.h"
 #include "surface_point.h"
 #include "table_numbers.h"
 
@@ -92,7 +93,10 @@ void add_field_command(CLI::App& program, const GlobalOptions& options) {
   command->footer(
       "Examples:\n  supple field bunny.obj v0 --output distances.ply\n"
       "  supple field bunny.obj v0 v700 --relative-error 0.01 --output - | sort -t, -k2 -g | tail");
-  command->callback([&options, arguments] { run(options, *arguments); });
+  command->callback([&options, arguments, command] {
+    refuse_idle_options(*command, {{"--bands", arguments->output.ends_with(".ply"), "without --output FILE.ply"}});
+    run(options, *arguments);
+  });
 }
 
 }  // namespace supple::cli

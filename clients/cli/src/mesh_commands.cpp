@@ -5,6 +5,7 @@
 
 #include "commands.h"
 #include "failure.h"
+#include "idle_options.h"
 #include "numbers.h"
 #include "style.h"
 #include "table_numbers.h"
@@ -58,7 +59,6 @@ std::string upload_path(const RepairArguments& arguments) {
   std::string path = "/v1/meshes";
   if (!arguments.repairs.empty()) path += "?repair=" + arguments.repairs;
   if (arguments.weld_tolerance.empty()) return path;
-  if (arguments.repairs.empty()) throw Failure(ExitCode::usage, "--weld-tolerance goes with --repair weld");
   return path + fmt::format("&weld_tolerance={}", parse_number(arguments.weld_tolerance, "a weld tolerance"));
 }
 
@@ -114,7 +114,10 @@ void add_mesh_commands(CLI::App& program, const GlobalOptions& options) {
       "--weld-tolerance", arguments->repair.weld_tolerance,
       "Weld any vertices up to this distance over the bounding box's diagonal, at most 0.01; without it the "
       "corners of cracks alone");
-  add->callback([&options, arguments] {
+  add->callback([&options, arguments, add] {
+    const auto& repairs = arguments->repair.repairs;
+    const bool welds = repairs.find("weld") != std::string::npos || repairs.find("automatic") != std::string::npos;
+    refuse_idle_options(*add, {{"--weld-tolerance", welds, "without --repair weld or --repair automatic"}});
     Session session(options);
     add_meshes(session, arguments->files, arguments->repair);
   });

@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "drawing_arguments.h"
 #include "failure.h"
+#include "idle_options.h"
 #include "numbers.h"
 #include "part_request.h"
 #include "session.h"
@@ -41,20 +42,40 @@ struct PartArguments {
 };
 
 nlohmann::json outline_of(const PartArguments& arguments) {
-  if (!arguments.coupon.empty()) {
-    auto outline = outline_of_size("coupon", arguments.coupon, "--coupon");
-    if (arguments.grip >= 0) outline["coupon"]["grip_length"] = arguments.grip;
-    return outline;
-  }
-  if (!arguments.block.empty()) {
-    auto outline = outline_of_size("block", arguments.block, "--block");
-    if (arguments.plate >= 0) outline["block"]["plate"] = arguments.plate;
-    return outline;
-  }
+  if (!arguments.coupon.empty()) return outline_of_size("coupon", arguments.coupon, "--coupon");
+  if (!arguments.block.empty()) return outline_of_size("block", arguments.block, "--block");
   return outline_of_size("rectangle", arguments.rectangle, "--rectangle");
 }
 
-nlohmann::json request_of(const PartArguments& arguments, Session& session) {
+/// The shape of an outline that the request has, such as "coupon"; null if it has another one.
+nlohmann::json* shape_in(nlohmann::json& request, const char* name) {
+  const auto outline = request.find("outline");
+  if (outline == request.end() || !outline->is_object()) return nullptr;
+  const auto shape = outline->find(name);
+  return shape == outline->end() || !shape->is_object() ? nullptr : &*shape;
+}
+
+/// Sets the lengths of solid ends and refuses what has no effect on this part.
+void finish_outline(const CLI::App& command, const PartArguments& arguments, nlohmann::json& request) {
+  nlohmann::json* const coupon = shape_in(request, "coupon");
+  nlohmann::json* const block = shape_in(request, "block");
+  const auto regions = request.find("regions");
+  const bool has_regions = regions != request.end() && !regions->empty();
+  const bool has_rest = request.at("outline") != nlohmann::json{{"regions", true}};
+  constexpr const char* no_rest = "where the part is the union of its regions, which have structures of their own";
+  refuse_idle_options(command, {{"--grip", coupon != nullptr, "without --coupon"},
+                                {"--plate", block != nullptr, "without --block"},
+                                {"--seam", has_regions, "without regions"},
+                                {"family", has_rest, no_rest},
+                                {"--parameters", has_rest, no_rest},
+                                {"--from", has_rest, no_rest},
+                                {"--beam-width", has_rest, no_rest},
+                                {"--orientation", has_rest, no_rest}});
+  if (coupon != nullptr && arguments.grip >= 0) (*coupon)["grip_length"] = arguments.grip;
+  if (block != nullptr && arguments.plate >= 0) (*block)["plate"] = arguments.plate;
+}
+
+nlohmann::json request_of(const CLI::App& command, const PartArguments& arguments, Session& session) {
   nlohmann::json request = nlohmann::json::object();
   if (!arguments.request_file.empty()) request = object_in_file(arguments.request_file);
   const bool has_size = !arguments.coupon.empty() || !arguments.block.empty() || !arguments.rectangle.empty();
@@ -69,8 +90,9 @@ nlohmann::json request_of(const PartArguments& arguments, Session& session) {
   if (!arguments.parameters.empty())
     request["structure"]["parameters"] = parse_numbers(arguments.parameters, "list of parameters");
   if (arguments.outline.empty() && (!arguments.regions.empty() || arguments.drawing.any()))
-    throw Failure(ExitCode::usage,
-                  "--region, --unit, --width and --tolerance are about a drawing: give it with --outline");
+    throw Failure(
+        ExitCode::usage,
+        "--region, --unit, --resolution, --width and --tolerance are about a drawing: give it with --outline");
   const bool has_structure =
       request.contains("structure") || (!arguments.outline.empty() && !arguments.regions.empty());
   if (!has_structure || !(request.contains("outline") || !arguments.outline.empty())) {
@@ -86,6 +108,7 @@ nlohmann::json request_of(const PartArguments& arguments, Session& session) {
                     "no part: curves of the drawing belong to no region; give a family or a design that fills them");
     }
   }
+  finish_outline(command, arguments, request);
   const auto set = [&request](const char* name, double value, double least) {
     if (value >= least) request[name] = value;
   };
@@ -100,9 +123,9 @@ nlohmann::json request_of(const PartArguments& arguments, Session& session) {
   return request;
 }
 
-void run(const GlobalOptions& options, const PartArguments& arguments) {
+void run(const CLI::App& command, const GlobalOptions& options, const PartArguments& arguments) {
   Session session(options);
-  const nlohmann::json request = request_of(arguments, session);
+  const nlohmann::json request = request_of(command, arguments, session);
   if (write_part(session, request, arguments.files)) return;
   const nlohmann::json answer = session.compute("/v1/parts", request).json();
   session.json() ? print_json(answer) : print_part(request, answer);
@@ -206,7 +229,7 @@ void add_part_command(CLI::App& program, const GlobalOptions& options) {
       "  supple part IH22 --outline sole.svg --region heel=IH29,0.5 --region forefoot=IH21,0.5,0.5rad --stl sole.stl\n"
       "  supple part --request sole.json --3mf sole.3mf\n"
       "  supple part --from design.json --coupon 20x60 --stl coupon.stl");
-  command->callback([&options, arguments] { run(options, *arguments); });
+  command->callback([&options, arguments, command] { run(*command, options, *arguments); });
 }
 
 }  // namespace supple::cli

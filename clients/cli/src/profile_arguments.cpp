@@ -10,6 +10,7 @@
 
 #include "angles.h"
 #include "failure.h"
+#include "idle_options.h"
 #include "load_arguments.h"
 #include "numbers.h"
 #include "units.h"
@@ -67,6 +68,11 @@ nlohmann::json profile_fields(const ProfileArguments& arguments) {
 }
 
 bool is_over_directions(const std::string& task) { return task == "stiffness" || task == "poisson"; }
+
+void refuse_idle_profile_options(const CLI::App& command, const std::string& task) {
+  refuse_idle_options(command, {{"--direction", !is_over_directions(task), "over directions: the load has each of them"},
+                                {"--strain", is_over_directions(task), "over strains"}});
+}
 
 nlohmann::json parse_target(const std::string& argument, const std::string& task) {
   bool is_file = false;

@@ -38,6 +38,10 @@ bool holds_control_points(const std::string& text, const std::string& task);
 /// Whether the profile of a task is over directions.
 bool is_over_directions(const std::string& task);
 
+/// Refuses what has no effect on a profile of this task: a direction over directions, a strain over strains. Throws
+/// Failure(usage).
+void refuse_idle_profile_options(const CLI::App& command, const std::string& task);
+
 /// Fixed parameters as numbers, with null for those that are "free". Throws Failure(usage).
 nlohmann::json parse_fixed(const std::string& text);
 

@@ -90,7 +90,10 @@ void add_profile_command(CLI::App& program, const GlobalOptions& options) {
   command->footer(
       "Examples:\n  supple profile --task stress_strain --family IH67 --parameters 0.2,0.9 --direction 45deg --csv -\n"
       "  supple profile --task poisson --family IH67 --parameters 0.2,0.9 --strain -0.1 --plot poisson.svg");
-  command->callback([&options, arguments] { run(options, *arguments); });
+  command->callback([&options, arguments, command] {
+    refuse_idle_profile_options(*command, arguments->profile.task);
+    run(options, *arguments);
+  });
 }
 
 }  // namespace supple::cli

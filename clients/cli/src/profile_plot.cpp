@@ -189,8 +189,11 @@ std::vector<ProfilePlot> plots_of_designs(const nlohmann::json& answer) {
   std::vector<ProfilePlot> plots;
   for (const auto& design : designs_in(answer)) {
     std::string title = design.contains("name") ? design.at("name").get<std::string>() + ": " : "";
-    title += fmt::format("{}, off by {:.2g} %", design_text(design),
-                         100 * design.at("error").at("relative_rms").get<double>());
+    title += design_text(design);
+    const auto& verdict = design.at("verdict");
+    if (const auto& deviation = verdict.at("deviation"); deviation.is_number())
+      title += fmt::format(", {} off by {:.2g} %", verdict.at("source") == "simulation" ? "simulated" : "by the model",
+                           100 * deviation.get<double>());
     for (const auto& profile : profiles_in(design)) {
       ProfilePlot plot = plot_of_kind(profile);
       plot.title = title;

@@ -34,4 +34,10 @@ void ProgressBar::show(double fraction, std::optional<double> remaining, const s
   drawn_ = true;
 }
 
+void ProgressBar::print_above(const std::string& line) {
+  if (!enabled_) return;
+  fmt::print(stderr, "\r\033[K{}\n", line);
+  std::fflush(stderr);
+}
+
 }  // namespace supple::cli

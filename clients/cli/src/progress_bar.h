@@ -20,6 +20,9 @@ class ProgressBar {
   /// is a description of the current stage.
   void show(double fraction, std::optional<double> remaining, const std::string& stage);
 
+  /// Prints a line that remains above the bar. It is not printed where the bar is not drawn.
+  void print_above(const std::string& line);
+
  private:
   bool enabled_;
   bool drawn_ = false;

@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "failure.h"
 #include "host_arguments.h"
+#include "idle_options.h"
 #include "numbers.h"
 #include "path_output.h"
 #include "picture.h"
@@ -184,8 +185,24 @@ void write_spring_paths(const std::string& file, const nlohmann::json& springs) 
   write_file(file, paths_as_obj(paths));
 }
 
-void run(const GlobalOptions& options, const RelaxArguments& arguments) {
+void check_effects(const CLI::App& command, const RelaxArguments& arguments, const nlohmann::json& request) {
+  const bool has_membrane = request.contains("triangles");
+  const bool makes_springs = !arguments.springs.empty() || arguments.adjacent_faces || arguments.voronoi_dual;
+  constexpr const char* no_membrane = "without --membrane, --triangle or triangles in the file of --network";
+  constexpr const char* no_springs = "without --spring, --adjacent-faces or --voronoi-dual";
+  refuse_idle_options(command, {{"--seed", arguments.poisson_disk > 0, "without --poisson-disk"},
+                                {"--rest-length", makes_springs, no_springs},
+                                {"--weight", makes_springs, no_springs},
+                                {"--youngs-modulus", has_membrane, no_membrane},
+                                {"--poisson-ratio", has_membrane, no_membrane},
+                                {"--thickness", has_membrane, no_membrane},
+                                {"--rest-scale", has_membrane, no_membrane},
+                                {"--mollifier-length", arguments.mollifier != "off", "with --mollifier off"}});
+}
+
+void run(const CLI::App& command, const GlobalOptions& options, const RelaxArguments& arguments) {
   auto request = network_request(arguments);
+  check_effects(command, arguments, request);
   Session session(options);
   request["mesh"] = session.mesh_id(arguments.mesh);
   const nlohmann::json answer = session.compute(networks_path, request).json();
@@ -293,7 +310,7 @@ void add_relax_command(CLI::App& program, const GlobalOptions& options) {
       "--host-youngs-modulus 1e4 --fix-vertex 0,1,2 --move-vertex 900,0,0.2,1\n"
       "  supple relax step0.obj v0 v300 --spring 0,1 --fixed 0 --host-kind moving --positions step1.obj --positions "
       "step2.obj");
-  command->callback([&options, arguments] { run(options, *arguments); });
+  command->callback([&options, arguments, command] { run(*command, options, *arguments); });
 }
 
 }  // namespace supple::cli

@@ -10,8 +10,6 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
-#include <limits>
-#include <optional>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -19,6 +17,7 @@
 
 #include "failure.h"
 #include "interrupt.h"
+#include "job_news.h"
 #include "progress_bar.h"
 #include "style.h"
 
@@ -58,50 +57,6 @@ bool is_file(const std::string& path) {
   if (std::filesystem::is_directory(path, ignored)) why = "it is a folder";
   throw Failure(ExitCode::local_file, fmt::format("{} cannot be written: {}", path, why));
 }
-
-/// The stage of a job and, if the job reports it, how far the best design so far is from its target, or a network from
-/// its equilibrium. Jobs may report other things, which are ignored.
-std::string stage_of(const nlohmann::json& job) {
-  if (job.at("state") != "running") return "waiting";
-  auto stage = job.at("stage").get<std::string>();
-  const auto partial = job.find("partial");
-  if (partial == job.end()) return stage;
-  if (partial->contains("gradient_norm"))
-    return stage + fmt::format("  iteration {}, |gradient| {:.2g}", partial->at("iteration").get<int>(),
-                               partial->at("gradient_norm").get<double>());
-  if (partial->contains("round") || partial->contains("error")) {
-    const bool is_polishing = partial->contains("round");
-    const auto error = is_polishing ? partial->at("round").at("target_error") : partial->at("error").at("relative_rms");
-    if (error.is_number())
-      stage += fmt::format("  {} {} {:.3g} %", partial->at("family").get<std::string>(),
-                           is_polishing ? "simulated, off by" : "off by", 100 * error.get<double>());
-  }
-  return stage;
-}
-
-/// The seconds until a job ends, where the server can tell.
-std::optional<double> remaining_seconds_of(const nlohmann::json& job) {
-  const auto remaining = job.find("remaining_seconds");
-  if (remaining == job.end() || !remaining->is_number()) return std::nullopt;
-  return remaining->get<double>();
-}
-
-/// The least deviation that the polls of a job have reported; jobs report their latest one.
-class BestDeviation {
- public:
-  /// The stage of a job and, while it polishes, the best deviation so far.
-  std::string add(const nlohmann::json& job, const std::string& stage) {
-    const auto partial = job.find("partial");
-    if (partial == job.end() || !partial->contains("round")) return stage;
-    const auto& error = partial->at("round").at("target_error");
-    if (error.is_number()) best_ = std::min(best_, error.get<double>());
-    return best_ < std::numeric_limits<double>::infinity() ? stage + fmt::format(", best {:.3g} %", 100 * best_)
-                                                           : stage;
-  }
-
- private:
-  double best_ = std::numeric_limits<double>::infinity();
-};
 
 /// Sleeps until the time has passed or Ctrl-C was pressed.
 void pause(std::chrono::milliseconds duration) {
@@ -174,14 +129,17 @@ Answer Session::follow(const std::string& job_path, const std::string& accept, b
   // The polling loop checks for interrupts itself, so that nothing needs to be aborted.
   const InterruptWatch::Scope scope([] {});
   ProgressBar bar(!options_.no_progress);
-  BestDeviation best;
+  PolishRounds rounds;
   auto interval = min_poll_interval;
   while (true) {
     const nlohmann::json job = http_.get(job_path).json();
     const auto state = job.at("state").get<std::string>();
     if (observer_) observer_(job);
     if (state != "accepted" && state != "running") break;
-    bar.show(job.at("progress").get<double>(), remaining_seconds_of(job), best.add(job, stage_of(job)));
+    if (const auto round = rounds.add(job); !round.empty()) bar.print_above(round);
+    const auto best = rounds.best();
+    bar.show(job.at("progress").get<double>(), remaining_seconds_of(job),
+             best.empty() ? stage_of(job) : stage_of(job) + ", " + best);
     pause(interval);
     interval = std::min(2 * interval, max_poll_interval);
     if (InterruptWatch::interrupted()) {

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "commands.h"
+#include "idle_options.h"
 #include "load_arguments.h"
 #include "numbers.h"
 #include "simulation_output.h"
@@ -134,7 +135,13 @@ void add_simulate_command(CLI::App& program, const GlobalOptions& options) {
       "Examples:\n  supple simulate IH01 --uniaxial 0 --stretches 1.02:1.3:15 --csv curve.csv\n"
       "  supple simulate IH22 --biaxial 45deg --stretches 0.98:0.9:5 --orthogonal 1 --vtu state.vtu\n"
       "  supple simulate IH21 --green-strain \"0.05,0,0;0.1,0,0\" --mesh-size 0.5 --contact off");
-  command->callback([&options, arguments] { run(options, *arguments); });
+  command->callback([&options, arguments, command] {
+    const bool is_biaxial = !arguments->load.biaxial.empty();
+    refuse_idle_options(
+        *command, {{"--stretches", is_biaxial || !arguments->load.uniaxial.empty(), "without --uniaxial or --biaxial"},
+                   {"--orthogonal", is_biaxial, "without --biaxial"}});
+    run(options, *arguments);
+  });
 }
 
 }  // namespace supple::cli

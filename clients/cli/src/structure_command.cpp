@@ -6,6 +6,7 @@
 
 #include "commands.h"
 #include "failure.h"
+#include "idle_options.h"
 #include "numbers.h"
 #include "table_numbers.h"
 #include "units.h"
@@ -59,6 +60,17 @@ void print_structure(const nlohmann::json& answer) {
   }
 }
 
+void check_effects(const CLI::App& command, const StructureArguments& arguments) {
+  const bool has_file = !arguments.svg_file.empty() || !arguments.dxf_file.empty() || !arguments.stl_file.empty();
+  const bool is_described = arguments.svg_file != "-" && arguments.dxf_file != "-" && arguments.stl_file != "-";
+  constexpr const char* not_described = "where a file goes to the terminal in place of the mesh's statistics";
+  refuse_idle_options(command, {{"--cells", has_file, "without --svg, --dxf or --stl"},
+                                {"--height", !arguments.stl_file.empty(), "without --stl"},
+                                {"--mesh-size", is_described, not_described},
+                                {"--corner-size", is_described, not_described},
+                                {"--mesh-region", is_described, not_described}});
+}
+
 void run(const GlobalOptions& options, const StructureArguments& arguments) {
   nlohmann::json request = {{"family", arguments.family}};
   if (!arguments.parameters.empty()) request["parameters"] = parse_numbers(arguments.parameters, "list of parameters");
@@ -110,7 +122,10 @@ void add_structure_command(CLI::App& program, const GlobalOptions& options) {
   command->footer(
       "Examples:\n  supple structure IH21 --svg tiling.svg --cells 4x4\n"
       "  supple structure IH01 --parameters 0.1,0.5,0.1,0.6 --stl tiling.stl --height 5 --mesh-size 0.33");
-  command->callback([&options, arguments] { run(options, *arguments); });
+  command->callback([&options, arguments, command] {
+    check_effects(*command, *arguments);
+    run(options, *arguments);
+  });
 }
 
 }  // namespace supple::cli

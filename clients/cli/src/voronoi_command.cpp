@@ -11,6 +11,7 @@
 
 #include "commands.h"
 #include "failure.h"
+#include "idle_options.h"
 #include "numbers.h"
 #include "style.h"
 #include "surface_point.h"
@@ -194,10 +195,25 @@ void save_progress(const std::string& file, const nlohmann::json& job) {
   replace_file(file, progress.dump());
 }
 
+void check_effects(const CLI::App& command, const VoronoiArguments& arguments) {
+  const bool optimized = !arguments.objectives.empty();
+  constexpr const char* alone = "without --optimize";
+  refuse_idle_options(
+      command,
+      {{"--continue", optimized, alone},
+       {"--target-length", optimized && voronoi_objectives(arguments.objectives).contains("edge_length"),
+        "without edge_length among the objectives of --optimize"},
+       {"--fixed", optimized, alone},
+       {"--minimizer", optimized, alone},
+       {"--tolerance", optimized, alone},
+       {"--max-iterations", optimized, alone},
+       {"--history", optimized, alone},
+       {"--seed", arguments.random > 0, "without --random"},
+       {"--panel-scale", !arguments.svg_file.empty() || !arguments.csv_file.empty(), "without --svg or --csv"}});
+}
+
 void run(const GlobalOptions& options, const VoronoiArguments& arguments) {
   const bool optimized = !arguments.objectives.empty();
-  if (!optimized && !arguments.progress_file.empty())
-    throw Failure(ExitCode::usage, "--continue is for optimizations: give --optimize, too");
   auto request = optimized ? optimization_request(arguments) : diagram_request(arguments);
   Session session(options);
   request["mesh"] = session.mesh_id(arguments.mesh);
@@ -285,7 +301,10 @@ void add_voronoi_command(CLI::App& program, const GlobalOptions& options) {
       "  supple voronoi bunny.obj --random 200 --optimize centroidal --vtu cells.vtu\n"
       "  supple voronoi shell.obj --random 60 --optimize edge_length=1,planarity=20 --svg panels.svg --csv panels.csv "
       "--panel-scale 250");
-  command->callback([&options, arguments] { run(options, *arguments); });
+  command->callback([&options, arguments, command] {
+    check_effects(*command, *arguments);
+    run(options, *arguments);
+  });
 }
 
 }  // namespace supple::cli

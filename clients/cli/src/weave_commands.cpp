@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "design_output.h"
 #include "failure.h"
+#include "idle_options.h"
 #include "numbers.h"
 #include "picture.h"
 #include "simulation_output.h"
@@ -117,7 +118,11 @@ void add_weave_homogenize_command(CLI::App& weave, const GlobalOptions& options)
   command->footer(
       "Examples:\n  supple weave homogenize squares --type 2 --strain 0.3 --plot squares.svg\n"
       "  supple weave homogenize regular --connections \"fused,slides_x;slides_y,fused\" --directions 45deg,0deg");
-  command->callback([&options, arguments] { homogenize(options, *arguments); });
+  command->callback([&options, arguments, command] {
+    refuse_idle_options(*command, {{"--deformed", !arguments->obj_file.empty() || options.json,
+                                    "without --obj or --json, which have the deformed cells"}});
+    homogenize(options, *arguments);
+  });
 }
 
 struct DeformArguments {
@@ -212,7 +217,10 @@ nlohmann::json request_of(const SimulateArguments& arguments) {
   return request;
 }
 
-void simulate(const GlobalOptions& options, const SimulateArguments& arguments) {
+void simulate(const CLI::App& command, const GlobalOptions& options, const SimulateArguments& arguments) {
+  const bool has_supports = !arguments.fixed_places.empty() || !arguments.moved.empty();
+  refuse_idle_options(command, {{"--clamp", has_supports, "without --hold or --move"},
+                                {"--free-z", has_supports, "without --hold or --move"}});
   const nlohmann::json request = request_of(arguments);
   Session session(options);
   const nlohmann::json answer = session.compute("/v1/weave-simulations", request).json();
@@ -252,7 +260,7 @@ void add_weave_simulate_command(CLI::App& weave, const GlobalOptions& options) {
       "  supple weave simulate regular --sheet 20x20 --connections slides_y --hold 0,0,80,3 --move 0,77,80,80=24,0 \\\n"
       "    --states 6 --csv shear.csv --vtu shear.vtu\n"
       "  supple weave simulate rings --hold 0:start --hold 1:start --move 6:end=0,4 --out-of-plane on --obj rings.obj");
-  command->callback([&options, arguments] { simulate(options, *arguments); });
+  command->callback([&options, arguments, command] { simulate(*command, options, *arguments); });
 }
 
 }  // namespace

@@ -13,6 +13,7 @@ from .keys import find_key
 from .progress import Progress
 from .request import Request
 from .transport import Transport
+from .units import Number
 
 DEFAULT_URL = "http://127.0.0.1:8080"
 Self = TypeVar("Self", bound="Connection")
@@ -57,12 +58,12 @@ class Connection:
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self.url!r})"
 
-    def run(self, request: Request[Result], *, timeout: Optional[float] = None, progress: Optional[Progress] = None) -> Result:
+    def run(self, request: Request[Result], *, timeout: Optional[Number] = None, progress: Optional[Progress] = None) -> Result:
         """Computes and returns the result of a request, such as `SimulationRequest`.
 
         Args:
             request: a request of any kind.
-            timeout: seconds after which `RequestTimeout` is raised; None takes that of the request.
+            timeout: seconds after which `RequestTimeout` is raised, or for example "2 min"; None takes that of the request.
             progress: see `Progress`; None takes that of the request.
 
         Anything that interrupts the wait cancels the computation on the server.

@@ -31,6 +31,11 @@ def profile_drawing(task: str, over_strains: bool, lines: Tuple[Line, ...], band
     return Drawing("curves", in_degrees, (), "", "direction of the load / degrees", "Poisson's ratio", bands_in_degrees)
 
 
+def percent(deviation: Optional[float]) -> str:
+    """A simulated deviation in words."""
+    return "not simulated" if deviation is None else f"{100 * deviation:.3g} %"
+
+
 @dataclass(frozen=True, repr=False)
 class DesignError(Shown):
     """The deviations of profiles from their targets.
@@ -140,6 +145,12 @@ class Polish(Shown):
     stopped: str
     rounds: Tuple[PolishRound, ...]
 
+    def _shown(self) -> List[Tuple[str, str]]:
+        rounds = [(f"round {number}", f"{percent(one.target_error)} after {one.seconds:.3g} s, {one.proposal}, "
+                                      f"{'kept' if one.accepted else 'not kept: ' + one.reason}")
+                  for number, one in enumerate(self.rounds)]
+        return [("deviation", f"{percent(self.target_error)} by the simulation"), ("stopped", short_text(self.stopped)), *rounds]
+
 
 @dataclass(frozen=True, repr=False)
 class DesignProfile(Drawn):
@@ -213,6 +224,15 @@ class DesignCandidate(Shown):
     stopped: str
     orientation: float
     material: MadeOf
+
+    def _deviation_text(self) -> str:
+        if self.simulated_error is not None:
+            return f"{percent(self.simulated_error)} simulated"
+        return f"{percent(self.error.relative_rms)} by the model"
+
+    def _shown(self) -> List[Tuple[str, str]]:
+        first = [("family", short_text(self.family)), ("deviation", self._deviation_text()), ("parameters", short_text(self.parameters))]
+        return first + [entry for entry in super()._shown() if entry[0] not in dict(first)]
 
 
 @dataclass(frozen=True, repr=False)
@@ -336,8 +356,9 @@ class Design(Drawn):
     ways_out: Annotated[Tuple[WayOut, ...], At(missing=())]
 
     def _shown(self) -> List[Tuple[str, str]]:
+        ranking = "; ".join(f"{one.family}: {one._deviation_text()}" for one in self.ranking)
         first = [("deviation", _deviation_text(self.verdict)), ("parameters", short_text(self.parameters)),
-                 ("family", short_text(self.family)), ("verdict", short_text(self.verdict.grade))]
+                 ("family", short_text(self.family)), ("verdict", short_text(self.verdict.grade)), ("ranking", ranking)]
         return first + [entry for entry in super()._shown() if entry[0] not in dict(first)]
 
     def _drawing(self) -> Drawing:

@@ -10,9 +10,9 @@ import numpy as np
 from . import checks
 from ._arrays import Numbers
 from .design_answers import DesignResult, ProfileCurve, RegionDesigns
-from .request import Reported, Request, Timeout
+from .request import Deadline, Reported, Request, Timeout
 from .targets import Target
-from .units import ANGLE, DENSITY, LENGTH, RATIO, STRESS, Number, Pair
+from .units import ANGLE, DENSITY, DURATION, LENGTH, RATIO, STRAIN_OR_ANGLE, STRESS, Number, Pair
 from .wire import ACCURACY, EFFECT, At, Sent, Shape
 
 
@@ -104,7 +104,7 @@ class DesignOptions(Sent):
             does so if the design deviates by more than 5 % and the request has no `session`, "on" or "off". It takes up to 10 s.
     """
 
-    tolerance: Annotated[Optional[float], ACCURACY] = None
+    tolerance: Annotated[Optional[Number], ACCURACY, RATIO] = None
     equilibrium_tolerance: Annotated[Optional[float], ACCURACY] = None
     max_iterations: Annotated[Optional[int], ACCURACY] = None
     starts: Annotated[Optional[int], ACCURACY] = None
@@ -113,9 +113,9 @@ class DesignOptions(Sent):
     multi_start: Annotated[Optional[str], EFFECT] = None
     envelope: Annotated[Optional[str], EFFECT] = None
     polish: Annotated[Optional[str], EFFECT] = None
-    polish_tolerance: Annotated[Optional[float], ACCURACY] = None
+    polish_tolerance: Annotated[Optional[Number], ACCURACY, RATIO] = None
     polish_rounds: Annotated[Optional[int], ACCURACY] = None
-    polish_seconds: Annotated[Optional[float], ACCURACY] = None
+    polish_seconds: Annotated[Optional[Number], ACCURACY, DURATION] = None
     trust: Annotated[Optional[str], EFFECT] = None
     ways_out: Annotated[Optional[str], EFFECT] = None
 
@@ -151,7 +151,7 @@ class DesignRequest(Region, Request[DesignResult], path="/v1/designs"):
     verify: bool = False
     options: Annotated[Optional[DesignOptions], At("")] = None
     session: Optional[str] = None
-    deadline: Optional[float] = None
+    deadline: Deadline = None
     timeout: Timeout = None
     progress: Reported = None
     priority: Optional[str] = None
@@ -165,7 +165,7 @@ class RegionsRequest(Request[RegionDesigns], path="/v1/designs"):
     verify: bool = False
     options: Annotated[Optional[DesignOptions], At("")] = None
     session: Optional[str] = None
-    deadline: Optional[float] = None
+    deadline: Deadline = None
     timeout: Timeout = None
     progress: Reported = None
     priority: Optional[str] = None
@@ -194,13 +194,13 @@ class ProfileRequest(Request[ProfileCurve], path="/v1/profiles"):
     direction: Annotated[Optional[Number], At(write=checks.radians), ANGLE] = None
     strain: Annotated[Optional[Number], At(write=checks.number), RATIO] = None
     strain_measure: Optional[str] = None
-    x: Optional[Numbers] = None
-    limits: Annotated[Optional[Tuple[float, float]], Shape(2), At("/range")] = None
+    x: Annotated[Optional[Numbers], STRAIN_OR_ANGLE] = None
+    limits: Annotated[Optional[Tuple[Number, Number]], Shape(2), At("/range"), STRAIN_OR_ANGLE] = None
     samples: Optional[int] = None
     equilibrium_tolerance: Annotated[Optional[float], ACCURACY] = None
     orientation: Annotated[Optional[Number], At(write=_orientation), ANGLE] = None
     material: Optional[Material] = None
-    deadline: Optional[float] = None
+    deadline: Deadline = None
     timeout: Timeout = None
     progress: Reported = None
     priority: Optional[str] = None

@@ -10,8 +10,9 @@ from typing import Annotated, Any, Dict, Optional, Tuple, Union
 from ._arrays import Array
 from .answers import Cost
 from .checks import one_of, warn
-from .request import Reported, Request, Timeout
+from .request import Deadline, Reported, Request, Timeout
 from .transport import Answer
+from .units import LENGTH, Number
 from .wire import ACCURACY, At
 
 _CODE_PAGE = re.compile(rb"\$DWGCODEPAGE\s+3\s+(?:ANSI_|DOS|dos)(\d+)")
@@ -119,10 +120,10 @@ class DrawingRequest(Request[Drawing], path="/v1/outlines"):
     """
 
     source: Annotated[Union[str, Path], At("/text", write=text_of)]
-    width: Optional[float] = None
+    width: Annotated[Optional[Number], LENGTH] = None
     unit: Optional[str] = None
-    tolerance: Annotated[Optional[float], ACCURACY] = None
-    deadline: Optional[float] = None
+    tolerance: Annotated[Optional[Number], ACCURACY, LENGTH] = None
+    deadline: Deadline = None
     resolution: Optional[float] = None
     timeout: Timeout = None
     progress: Reported = None

@@ -10,7 +10,7 @@ import numpy as np
 from ._arrays import Numbers
 from .answers import ExponentialMap, Field, Geodesic, KarcherMean
 from .points import OnePoint, PlacedPoint, PointLike, Points, point_to_wire
-from .request import OnMesh, Reported, Request, Timeout
+from .request import Deadline, OnMesh, Reported, Request, Timeout
 from .transport import Answer
 from .wire import ACCURACY, EFFECT, At, decode, decode_all
 
@@ -38,7 +38,7 @@ class GeodesicsRequest(Request[List[Geodesic]], path="/v1/geodesics"):
     paths: bool = False
     mollifier: Annotated[Optional[str], EFFECT] = None
     mollifier_length: Annotated[Optional[float], ACCURACY] = None
-    deadline: Optional[float] = None
+    deadline: Deadline = None
     timeout: Timeout = None
     progress: Reported = None
     priority: Optional[str] = None
@@ -71,7 +71,7 @@ class FieldRequest(Request[Field], path="/v1/geodesic-fields"):
     relative_error: Annotated[float, ACCURACY] = 0.0
     method: Annotated[str, ACCURACY] = "windows"
     max_distance: Optional[float] = None
-    deadline: Optional[float] = None
+    deadline: Deadline = None
     timeout: Timeout = None
     progress: Reported = None
     priority: Optional[str] = None
@@ -120,7 +120,7 @@ class KarcherMeanRequest(Request[KarcherMean], path="/v1/karcher-means"):
     starts: Optional[int] = None
     max_iterations: Optional[int] = None
     kept_fields: Annotated[Optional[str], EFFECT] = None
-    deadline: Optional[float] = None
+    deadline: Deadline = None
     timeout: Timeout = None
     progress: Reported = None
     priority: Optional[str] = None
@@ -142,7 +142,7 @@ class ExponentialMapRequest(Request[ExponentialMap], path="/v1/exponential-maps"
     start: OnePoint
     tangent: Numbers
     trace: bool = True
-    deadline: Optional[float] = None
+    deadline: Deadline = None
     timeout: Timeout = None
     progress: Reported = None
     priority: Optional[str] = None

@@ -14,7 +14,9 @@ from .errors import RequestTimeout, SuppleError
 from .network_answers import PartialRelaxation
 from .progress import Progress, Reporter
 from .request import Request
+from .rounds import Rounds
 from .transport import Answer, Transport
+from .units import Number, without_unit
 from .voronoi_answers import PartialOptimization
 from .wire import At, decode
 
@@ -102,28 +104,30 @@ class Job(Generic[Result]):
         """Ends the job if it has not finished; its later `result` raises `JobCancelled`."""
         self._transport.request("DELETE", self._path)
 
-    def wait(self, *, timeout: Optional[float] = None, progress: Optional[Progress] = None) -> JobStatus:
+    def wait(self, *, timeout: Optional[Number] = None, progress: Optional[Progress] = None) -> JobStatus:
         """Returns once the job has finished, whether successfully or not.
 
-        Raises `RequestTimeout` after `timeout` seconds. Neither that nor an exception from `progress`, which reaches the
+        Raises `RequestTimeout` after `timeout`, which is in seconds or has a unit. Neither that nor an exception from `progress`, which reaches the
         caller, ends the job. Both are those of the request by default.
         """
-        timeout = self._request.timeout if timeout is None else timeout
+        limit: Optional[float] = without_unit(self._request.timeout if timeout is None else timeout, "timeout", "duration")
         progress = self._request.progress if progress is None else progress
-        end = None if timeout is None else time.monotonic() + timeout
-        pause = FIRST_POLL_INTERVAL
+        end = None if limit is None else time.monotonic() + limit
+        pause, rounds = FIRST_POLL_INTERVAL, Rounds()
         with Reporter(self._transport.progress if progress is None else progress) as report:
             while True:
                 status = self.status()
-                report(status.progress, status.stage)
+                note = rounds.add(status.partial)
+                remaining = "" if status.remaining_seconds is None else f"{status.remaining_seconds:.0f} s left"
+                report(status.progress, status.stage, ", ".join(filter(None, (rounds.best(), remaining))), note)
                 if status.finished:
                     return status
                 if end is not None and time.monotonic() + pause > end:
-                    raise RequestTimeout(f"job {self.id} is {status.state} after {timeout} s")
+                    raise RequestTimeout(f"job {self.id} is {status.state} after {limit:g} s")
                 time.sleep(pause)
                 pause = min(2 * pause, MAX_POLL_INTERVAL)
 
-    def result(self, *, timeout: Optional[float] = None, progress: Optional[Progress] = None) -> Result:
+    def result(self, *, timeout: Optional[Number] = None, progress: Optional[Progress] = None) -> Result:
         """Waits and returns the result. Raises a `ProblemError` if the computation failed."""
         self.wait(timeout=timeout, progress=progress)
         answer = self._transport.request("GET", self._path + "/result", headers={"Accept": self._request.accept})
@@ -138,7 +142,7 @@ def submit(transport: Transport, request: Request[Result]) -> Job[Result]:
 def run(
     transport: Transport,
     request: Request[Result],
-    timeout: Optional[float] = None,
+    timeout: Optional[Number] = None,
     progress: Optional[Progress] = None,
 ) -> Result:
     """Computes and returns the result. A computation that takes longer than a second becomes a job, which is followed.

@@ -8,7 +8,7 @@ from typing import Annotated, Optional, Union
 from numpy.typing import ArrayLike
 
 from .checks import one_of, radians
-from .units import ANGLE, Number
+from .units import ANGLE, RATIO, Number
 from .wire import At, Sent, Shape
 
 
@@ -16,7 +16,7 @@ from .wire import At, Sent, Shape
 class GreenStrain(Sent):
     """Prescribed Green strains (E_xx, E_yy, E_xy; tensor components). `strains` has the shape (n, 3)."""
 
-    strains: Annotated[ArrayLike, Shape(-1, 3), At("/green_strain")]
+    strains: Annotated[ArrayLike, Shape(-1, 3), At("/green_strain"), RATIO]
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Uniaxial(Sent):
     """
 
     direction: Annotated[Number, At("/uniaxial/direction"), ANGLE]
-    stretches: Annotated[ArrayLike, Shape(-1), At("/uniaxial/stretches")]
+    stretches: Annotated[ArrayLike, Shape(-1), At("/uniaxial/stretches"), RATIO]
     frame: Annotated[Optional[str], At("/uniaxial/frame")] = None
 
     def __post_init__(self) -> None:
@@ -41,7 +41,7 @@ class Biaxial(Sent):
     """Stretches along a direction (angle from the x axis in radians) and orthogonal to it, in pairs."""
 
     direction: Annotated[Number, At("/biaxial/direction"), ANGLE]
-    stretches: Annotated[ArrayLike, Shape(-1, 2), At("/biaxial/stretches")]
+    stretches: Annotated[ArrayLike, Shape(-1, 2), At("/biaxial/stretches"), RATIO]
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -19,10 +19,10 @@ from .answers import Cost
 from .calls import named, runs_here, submits_here
 from .checks import radians
 from .drawing import Drawing, curve, error_band
-from .request import OfModel, Reported, Request, Resource, Result, Timeout, id_of
+from .request import Deadline, OfModel, Reported, Request, Resource, Result, Timeout, id_of
 from .shown import Drawn, Shown
 from .transport import Transport
-from .units import ANGLE, Number
+from .units import ANGLE, RATIO, Number
 from .wire import ACCURACY, At, Shape
 
 
@@ -201,9 +201,9 @@ class EvaluationRequest(_ModelRequest[Evaluation], path="/v1/models/{model}/eval
 
     model: OfModel
     parameters: Annotated[ArrayLike, _rows(None)]
-    green_strain: Annotated[ArrayLike, _rows(3)]
+    green_strain: Annotated[ArrayLike, _rows(3), RATIO]
     derivatives: int = 1
-    deadline: Optional[float] = None
+    deadline: Deadline = None
     timeout: Timeout = None
     progress: Reported = None
     priority: Optional[str] = None
@@ -228,11 +228,11 @@ class UniaxialRequest(_ModelRequest[UniaxialCurve], path="/v1/models/{model}/uni
     model: OfModel
     parameters: Numbers
     direction: Annotated[Number, ANGLE]
-    stretches: Optional[Numbers] = None
-    green_strains: Optional[Numbers] = None
+    stretches: Annotated[Optional[Numbers], RATIO] = None
+    green_strains: Annotated[Optional[Numbers], RATIO] = None
     tolerance: Annotated[Optional[float], ACCURACY] = None
     max_iterations: Annotated[Optional[int], ACCURACY] = None
-    deadline: Optional[float] = None
+    deadline: Deadline = None
     timeout: Timeout = None
     progress: Reported = None
     priority: Optional[str] = None

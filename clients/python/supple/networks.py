@@ -9,7 +9,7 @@ from ._arrays import IndexList
 from .hosts import Host
 from .network_answers import RelaxedNetwork
 from .points import PointLike, points_to_wire
-from .request import FileRequest, Kind, OnMesh, Reported, Request, Timeout
+from .request import Deadline, FileRequest, Kind, OnMesh, Reported, Request, Timeout
 from .wire import ACCURACY, EFFECT, At, Sent
 
 
@@ -158,7 +158,7 @@ class _Relaxation:
     membrane: Annotated[Optional[Membrane], At("")] = None
     host: Optional[Host] = None
     options: Annotated[Optional[RelaxationOptions], At("")] = None
-    deadline: Optional[float] = None
+    deadline: Deadline = None
     timeout: Timeout = None
     progress: Reported = None
     priority: Optional[str] = None

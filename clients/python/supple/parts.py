@@ -13,7 +13,7 @@ from ._arrays import Numbers
 from .answers import Cost
 from .checks import one_of, warn
 from .design_answers import Design
-from .request import FileRequest, Kind, Reported, Request, Timeout
+from .request import Deadline, FileRequest, Kind, Reported, Request, Timeout
 from .transport import Answer
 from .units import ANGLE, DENSITY, LENGTH, Number, without_unit
 from .wire import At, Sent, given
@@ -197,7 +197,7 @@ class _PartFields(Sent):
     family: Annotated[Union[str, Design], At("/structure/")]
     parameters: Annotated[Optional[Numbers], At("/structure/")] = None
     options: Annotated[Optional[PartOptions], At("")] = None
-    deadline: Optional[float] = None
+    deadline: Deadline = None
     timeout: Timeout = None
     progress: Reported = None
     priority: Optional[str] = None

@@ -31,6 +31,10 @@ class _PlainLine:
         sys.stderr.flush()
         self._width = len(text)
 
+    def note(self, line: str) -> None:
+        sys.stderr.write("\r" + line.ljust(self._width) + "\n")
+        self._width = 0
+
     def close(self) -> None:
         sys.stderr.write("\r" + " " * self._width + "\r")
         sys.stderr.flush()
@@ -45,6 +49,9 @@ class _Tqdm:
     def show(self, fraction: float, stage: str) -> None:
         self._bar.set_description_str(stage, refresh=False)
         self._bar.update(round(100 * fraction, 1) - self._bar.n)
+
+    def note(self, line: str) -> None:
+        self._bar.write(line, file=sys.stderr)
 
     def close(self) -> None:
         self._bar.close()
@@ -81,9 +88,12 @@ class Reporter:
             self._bar.close()
             self._bar = None
 
-    def __call__(self, fraction: float, stage: str) -> None:
+    def __call__(self, fraction: float, stage: str, details: str = "", note: str = "") -> None:
+        """Reports a fraction and a stage. A bar shows details of the stage too, and leaves a note in a line above it."""
         if self._function is not None:
             self._function(fraction, stage)
         elif self._wants_bar:
             self._bar = self._bar or _new_bar()
-            self._bar.show(min(max(fraction, 0.0), 1.0), stage)
+            if note:
+                self._bar.note(note)
+            self._bar.show(min(max(fraction, 0.0), 1.0), f"{stage}, {details}" if details else stage)

@@ -7,11 +7,13 @@ from typing import Annotated, Any, ClassVar, Generic, Mapping, Optional, TypeVar
 from .checks import one_of
 from .progress import Progress
 from .transport import Answer
+from .units import DURATION, Number
 from .wire import LOCAL, At, Sent, decode
 
 Result = TypeVar("Result")
 
-Timeout = Annotated[Optional[float], LOCAL]
+Deadline = Annotated[Optional[Number], DURATION]
+Timeout = Annotated[Optional[Number], LOCAL, DURATION]
 Reported = Annotated[Optional[Progress], LOCAL]
 Kind = Annotated[str, LOCAL]
 
@@ -42,8 +44,9 @@ class Request(Sent, Generic[Result]):
 
     Each kind is a dataclass with fields of its own, in which None stands for the server's default. All have the fields
 
-        deadline: seconds that the computation may take on the server (`DeadlineExceeded`).
-        timeout: seconds after which a client that waits gives up (`RequestTimeout`); None waits without limit.
+        deadline: seconds that the computation may take on the server, or for example "2 min" (`DeadlineExceeded`).
+        timeout: seconds after which a client that waits gives up (`RequestTimeout`), or for example "30 s"; None waits without
+            limit.
         progress: how a client that waits reports progress, see `Progress`; None takes that of the client.
         priority: "interactive" starts before all others, "normal", or "background", which delays no other computation of the
             server; None is normal, and interactive where the request has a session.

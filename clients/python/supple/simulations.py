@@ -15,10 +15,11 @@ from ._arrays import Array, Numbers, Positions2
 from .answers import Cost, Effect
 from .drawing import BLUE, GREY, RED, Area, Drawing, curve
 from .loads import Load
-from .request import Reported, Request, Timeout
+from .request import Deadline, Reported, Request, Timeout
 from .shown import Drawn, Shown, short_text
 from .transport import Answer
-from .wire import ACCURACY, EFFECT, At, Shape, decode, decode_all
+from .units import RATIO, Number, members_without_units
+from .wire import ACCURACY, EFFECT, At, Shape, decode, decode_all, encode
 
 
 @dataclass(frozen=True, repr=False)
@@ -196,6 +197,10 @@ def _drawn_patch(mesh: PatchMesh, points: Array) -> Drawing:
     return Drawing("map", (), tuple(Area((points[corners],)) for corners in mesh.triangles[:, :3]), title="patch")
 
 
+def _material(material: Mapping[str, Any], name: str) -> Any:
+    return encode(members_without_units(material, {"youngs_modulus": "stress"}))
+
+
 @dataclass(frozen=True)
 class SimulationRequest(Request[Simulation], path="/v1/simulations"):
     """The homogenized response of a structure along a load path from rest.
@@ -223,11 +228,11 @@ class SimulationRequest(Request[Simulation], path="/v1/simulations"):
     family: str
     parameters: Optional[Numbers]
     load: Load
-    material: Optional[Mapping[str, Any]] = None
+    material: Annotated[Optional[Mapping[str, Any]], At(write=_material)] = None
     mesh_size: Annotated[Optional[float], ACCURACY] = None
     corner_size: Annotated[Optional[float], ACCURACY] = None
     mesh_region: Annotated[Optional[str], ACCURACY] = None
-    discretization_error: Annotated[Optional[float], ACCURACY] = None
+    discretization_error: Annotated[Optional[Number], ACCURACY, RATIO] = None
     tolerance: Annotated[Optional[float], ACCURACY] = None
     max_load_step: Annotated[Optional[float], ACCURACY] = None
     max_iterations: Annotated[Optional[int], ACCURACY] = None
@@ -237,7 +242,7 @@ class SimulationRequest(Request[Simulation], path="/v1/simulations"):
     refinement: Annotated[Optional[str], EFFECT] = None
     tangents: bool = True
     deformed: str = "none"
-    deadline: Optional[float] = None
+    deadline: Deadline = None
     timeout: Timeout = None
     progress: Reported = None
     priority: Optional[str] = None

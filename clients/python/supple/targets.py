@@ -15,9 +15,9 @@ from ._arrays import Array, Numbers
 from .answers import Cost
 from .connection import Connection
 from .errors import InvalidRequest
-from .request import Reported, Request, Timeout
+from .request import Deadline, Reported, Request, Timeout
 from .transport import Answer
-from .units import ANGLE, LENGTH, RATIO, Number
+from .units import ANGLE, AREA, LENGTH, RATIO, STRAIN_OR_ANGLE, Number, columns_without_units, without_unit
 from .wire import ACCURACY, EFFECT, At, Sent, Shape, by_name
 
 Column = Union[int, str]
@@ -30,7 +30,8 @@ class Target(Sent):
     Attributes:
         task: "stress_strain" (MPa over strain in one direction), "stiffness" (MPa over directions) or "poisson"
             (Poisson's ratio over directions).
-        control_points: (x, y), shape (n, 2), x increasing: strains, or angles in radians of period pi.
+        control_points: (x, y), shape (n, 2), x increasing: strains, or angles in radians of period pi; texts may have other
+            units, as in ("5 %", "60 kPa").
         direction: angle of the load from the x axis, radians, for stress_strain. 0 by default.
         strain: strain along the load, for stiffness and poisson. 0.05 by default.
         strain_measure: "green" (Green strain, second Piola-Kirchhoff stress) or "engineering" (stretch - 1, force over rest
@@ -56,6 +57,9 @@ class Target(Sent):
     def __post_init__(self) -> None:
         super().__post_init__()
         checks.one_of(self.task, "task", checks.TASKS)
+        x, y = "ratio" if self.task == "stress_strain" else "angle", "ratio" if self.task == "poisson" else "stress"
+        object.__setattr__(self, "control_points", columns_without_units(self.control_points, "control_points", (x, y)))
+        object.__setattr__(self, "bands", without_unit(self.bands, "bands", y))
         points = checks.control_points(self.control_points, self.task, self.direction)
         if self.direction is not None:
             checks.radians(self.direction, "direction")
@@ -231,11 +235,11 @@ class MeasuredCurveRequest(Request[MeasuredCurve], path="/v1/measured-curves"):
     columns: Annotated[Optional[Tuple[Optional[Column], Optional[Column]]], At(write=_axes)] = None
     units: Annotated[Optional[Tuple[Optional[str], Optional[str]]], At(write=_axes)] = None
     gauge_length: Annotated[Optional[Number], At("/specimen/"), LENGTH] = None
-    area: Annotated[Optional[float], At("/specimen/")] = None
-    limits: Annotated[Optional[Tuple[float, float]], Shape(2), At("/range")] = None
+    area: Annotated[Optional[Number], At("/specimen/"), AREA] = None
+    limits: Annotated[Optional[Tuple[Number, Number]], Shape(2), At("/range"), STRAIN_OR_ANGLE] = None
     interpolation: Optional[str] = None
     max_control_points: Annotated[Optional[int], ACCURACY] = None
-    tolerance: Annotated[Optional[float], ACCURACY] = None
+    tolerance: Annotated[Optional[Number], ACCURACY, RATIO] = None
     origin: Annotated[Optional[str], EFFECT] = None
     loading: Annotated[Optional[str], EFFECT] = None
     rupture: Annotated[Optional[str], EFFECT] = None
@@ -243,7 +247,7 @@ class MeasuredCurveRequest(Request[MeasuredCurve], path="/v1/measured-curves"):
     decimal_separator: Optional[str] = None
     zero: Optional[str] = None
     block: Optional[int] = None
-    deadline: Optional[float] = None
+    deadline: Deadline = None
     timeout: Timeout = None
     progress: Reported = None
     priority: Optional[str] = None

@@ -11,7 +11,7 @@ from typing import Annotated, Optional, Tuple
 from ._arrays import Array, Numbers
 from .answers import Cost
 from .drawing import Area, Drawing
-from .request import FileRequest, Kind, Reported, Request, Timeout
+from .request import Deadline, FileRequest, Kind, Reported, Request, Timeout
 from .shown import Drawn, Shown, short_text
 from .units import LENGTH, Number
 from .wire import At
@@ -123,7 +123,7 @@ class StructureRequest(Request[Structure], path="/v1/structures"):
     mesh_size: Annotated[Optional[float], At("/mesh/")] = None
     corner_size: Annotated[Optional[float], At("/mesh/")] = None
     mesh_region: Annotated[Optional[str], At("/mesh/")] = None
-    deadline: Optional[float] = None
+    deadline: Deadline = None
     timeout: Timeout = None
     progress: Reported = None
     priority: Optional[str] = None
@@ -140,7 +140,7 @@ class StructureFileRequest(FileRequest, path="/v1/structures"):
     cells: Tuple[int, int] = (2, 2)
     height: Annotated[Number, LENGTH] = 1.0
     beam_width: Annotated[Optional[Number], LENGTH] = None
-    deadline: Optional[float] = None
+    deadline: Deadline = None
     timeout: Timeout = None
     progress: Reported = None
     priority: Optional[str] = None

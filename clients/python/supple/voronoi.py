@@ -7,7 +7,7 @@ from typing import Annotated, Any, Dict, Mapping, Optional, Sequence, Union
 
 from ._arrays import IndexList
 from .points import PointLike, points_to_wire
-from .request import FileRequest, Kind, OnMesh, Reported, Request, Timeout
+from .request import Deadline, FileRequest, Kind, OnMesh, Reported, Request, Timeout
 from .voronoi_answers import OptimizedVoronoi, VoronoiDiagram
 from .wire import ACCURACY, At, Sent
 
@@ -62,7 +62,7 @@ class _Diagram(Sent):
     method: Annotated[Optional[str], ACCURACY] = None
     relative_error: Annotated[Optional[float], ACCURACY] = None
     border_deviation: Annotated[Optional[float], ACCURACY] = None
-    deadline: Optional[float] = None
+    deadline: Deadline = None
     timeout: Timeout = None
     progress: Reported = None
     priority: Optional[str] = None
@@ -139,7 +139,7 @@ class VoronoiOptimizationRequest(Request[OptimizedVoronoi], path="/v1/voronoi-op
     options: Annotated[Optional[VoronoiOptions], At("")] = None
     points: bool = False
     pieces: bool = False
-    deadline: Optional[float] = None
+    deadline: Deadline = None
     timeout: Timeout = None
     progress: Reported = None
     priority: Optional[str] = None

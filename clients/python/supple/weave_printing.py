@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Annotated, Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Annotated, Any, Dict, List, Mapping, Optional, Sequence, Union
 
 from numpy.typing import ArrayLike
 
 from ._arrays import IndexList, Vector2Like
-from .request import Reported, Request, Timeout
+from .request import Deadline, Reported, Request, Timeout
 from .transport import Answer
+from .units import LENGTH, Number, Pair, without_unit
 from .weave_print_answers import GcodeReport, WeaveToolpath
 from .weaves import Weave
 from .wire import At, Sent, Shape, decode
 
 
-def _overruns_to_wire(overruns: Mapping[int, Tuple[float, float]], name: str) -> List[Dict[str, Any]]:
-    return [{"strand": int(strand), "start": start, "end": end} for strand, (start, end) in overruns.items()]
+def _overruns_to_wire(overruns: Mapping[int, Pair], name: str) -> List[Dict[str, Any]]:
+    return [{"strand": int(strand), "start": start, "end": end}
+            for strand, (start, end) in ((strand, without_unit(pair, name, "length")) for strand, pair in overruns.items())]
 
 
 def _pair(first: str, second: str) -> At:
@@ -29,9 +31,9 @@ class Grip(Sent):
     """A solid bar at which a printed sheet can be gripped. It consists of passes parallel to the line from `start` to `end`,
     which is the first pass; the others are to the right of it, over `width`. None takes 10 mm."""
 
-    start: Annotated[ArrayLike, Shape(2), At("/from")]
-    end: Annotated[ArrayLike, Shape(2), At("/to")]
-    width: Optional[float] = None
+    start: Annotated[ArrayLike, Shape(2), At("/from"), LENGTH]
+    end: Annotated[ArrayLike, Shape(2), At("/to"), LENGTH]
+    width: Annotated[Optional[Number], LENGTH] = None
 
 
 @dataclass(frozen=True)
@@ -49,14 +51,14 @@ class PrintOptions(Sent):
         chord_error: largest distance of printed polylines from curved strands.
     """
 
-    origin: Optional[Vector2Like] = None
+    origin: Annotated[Optional[Vector2Like], LENGTH] = None
     order: IndexList = ()
-    overrun: Annotated[Optional[Tuple[float, float]], _pair("start", "end")] = None
-    overruns: Annotated[Mapping[int, Tuple[float, float]], At(write=_overruns_to_wire)] = field(default_factory=dict)
-    loop_overlap: Optional[float] = None
-    frame: Annotated[Optional[Tuple[float, float]], _pair("margin", "lead_in")] = None
+    overrun: Annotated[Optional[Pair], _pair("start", "end"), LENGTH] = None
+    overruns: Annotated[Mapping[int, Pair], At(write=_overruns_to_wire)] = field(default_factory=dict)
+    loop_overlap: Annotated[Optional[Number], LENGTH] = None
+    frame: Annotated[Optional[Pair], _pair("margin", "lead_in"), LENGTH] = None
     grips: Sequence[Grip] = ()
-    chord_error: Optional[float] = None
+    chord_error: Annotated[Optional[Number], LENGTH] = None
 
 
 @dataclass(frozen=True)
@@ -74,7 +76,7 @@ class WeaveToolpathRequest(Request[WeaveToolpath], path="/v1/weave-toolpaths"):
     options: Annotated[Optional[PrintOptions], At("")] = None
     printer: Optional[Mapping[str, Any]] = None
     include: Optional[Sequence[str]] = None
-    deadline: Optional[float] = None
+    deadline: Deadline = None
     timeout: Timeout = None
     progress: Reported = None
     priority: Optional[str] = None
@@ -95,7 +97,7 @@ class GcodeReportRequest(Request[GcodeReport], path="/v1/gcode-reports"):
 
     gcode: Annotated[Union[str, bytes], At(write=_gcode_to_wire)]
     limits: Optional[Mapping[str, Any]] = None
-    deadline: Optional[float] = None
+    deadline: Deadline = None
     timeout: Timeout = None
     progress: Reported = None
     priority: Optional[str] = None

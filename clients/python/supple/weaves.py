@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ._arrays import IndexList, Vector2Like, Vector3Like
-from .request import FileRequest, Kind, Reported, Request, Timeout
+from .request import Deadline, FileRequest, Kind, Reported, Request, Timeout
 from .weave_answers import WeaveDeformation, WeaveHomogenization, WeaveLayout, WeaveSimulation
+from .units import ANGLE, FORCE, LENGTH, RATIO, Number, members_without_units, without_unit
 from .wire import ACCURACY, EFFECT, At, Sent, Shape, given, numbers
 
 
@@ -28,10 +29,10 @@ class Strand(Sent):
         radius: mm; None takes that of the weave.
     """
 
-    points: Annotated[ArrayLike, Shape(-1, 2)]
+    points: Annotated[ArrayLike, Shape(-1, 2), LENGTH]
     ends: str = "open"
-    translation: Optional[Vector2Like] = None
-    radius: Optional[float] = None
+    translation: Annotated[Optional[Vector2Like], LENGTH] = None
+    radius: Annotated[Optional[Number], LENGTH] = None
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,7 @@ class Weave(Sent):
     def regular(
         connections: Union[str, Sequence[Sequence[str]], None] = None,
         *,
-        pitch: Optional[float] = None,
+        pitch: Optional[Number] = None,
         sheet: Optional[Tuple[int, int]] = None,
         fused_border: Optional[int] = None,
         **more: Any,
@@ -59,45 +60,45 @@ class Weave(Sent):
         finite = _sheet(sheet)
         if finite is not None and fused_border is not None:
             finite["fused_border"] = fused_border
-        return Weave(given(pattern="regular", connections=connections, pitch=pitch, sheet=finite, **more))
+        return Weave(_woven(pattern="regular", connections=connections, pitch=pitch, sheet=finite, **more))
 
     @staticmethod
     def squares(
         kind: int,
         *,
-        side: Optional[float] = None,
-        overlap: Optional[float] = None,
+        side: Optional[Number] = None,
+        overlap: Optional[Number] = None,
         sheet: Optional[Tuple[int, int]] = None,
         **more: Any,
     ) -> "Weave":
         """Interlacing squares of type 1 (fused), 2 (sliding in x), 3 (sliding in x and y) or 4 (one corner fused)."""
         return Weave(
-            given(pattern="interlacing_squares", type=kind, side=side, overlap=overlap, sheet=_sheet(sheet), **more)
+            _woven(pattern="interlacing_squares", type=kind, side=side, overlap=overlap, sheet=_sheet(sheet), **more)
         )
 
     @staticmethod
     def circles(
         kind: int,
         *,
-        circle_radius: Optional[float] = None,
-        distance: Optional[float] = None,
+        circle_radius: Optional[Number] = None,
+        distance: Optional[Number] = None,
         sheet: Optional[Tuple[int, int]] = None,
         **more: Any,
     ) -> "Weave":
         """Interlacing circles of type 1 (fused) or 2 (sliding)."""
         size = {"circle_radius": circle_radius, "distance": distance}
-        return Weave(given(pattern="interlacing_circles", type=kind, sheet=_sheet(sheet), **size, **more))
+        return Weave(_woven(pattern="interlacing_circles", type=kind, sheet=_sheet(sheet), **size, **more))
 
     @staticmethod
     def rings(**more: Any) -> "Weave":
         """Rings that rise out of the plane when the last strand is pushed at its end."""
-        return Weave(given(pattern="actuated_rings", **more))
+        return Weave(_woven(pattern="actuated_rings", **more))
 
     @staticmethod
     def printed_sample(sample: str, **more: Any) -> "Weave":
         """One of nine sheets that have been printed and tested: "fused_grid", "sliding_grid", "squares_1" to "squares_4",
         "circles_fused", "circles_sliding" or "actuation". `Client.weave_toolpath` prints it in the same way."""
-        return Weave(given(pattern="printed_sample", sample=sample, **more))
+        return Weave(_woven(pattern="printed_sample", sample=sample, **more))
 
     @staticmethod
     def layout(
@@ -109,20 +110,32 @@ class Weave(Sent):
     ) -> "Weave":
         """A weave of the given strands. Crossings that are not given are found and fused. `lattice` has the cell's translations
         as rows, shape (2, 2)."""
-        return Weave(given(strands=strands, crossings=crossings, lattice=lattice, **more))
+        return Weave(_woven(strands=strands, crossings=crossings, lattice=lattice, **more))
 
     def fuse(self, *crossings: int) -> "Weave":
         """The same weave with these crossings fused."""
         return self._with([{"crossing": int(crossing), "slides": []} for crossing in crossings])
 
     def slide(
-        self, crossing: int, *members: int, backward: Optional[float] = None, forward: Optional[float] = None
+        self, crossing: int, *members: int, backward: Optional[Number] = None, forward: Optional[Number] = None
     ) -> "Weave":
         """The same weave, in which these members of a crossing slide by at most `backward` and `forward` mm; see `WeaveLayout`."""
-        return self._with([{"crossing": int(crossing), "slides": list(members), **given(backward=backward, forward=forward)}])
+        limits = given(backward=without_unit(backward, "backward", "length"), forward=without_unit(forward, "forward", "length"))
+        return self._with([{"crossing": int(crossing), "slides": list(members), **limits}])
 
     def _with(self, changes: Sequence[Mapping[str, Any]]) -> "Weave":
         return Weave({**self.document, "overrides": [*self.document.get("overrides", []), *changes]})
+
+
+_LENGTHS = ("radius", "pitch", "side", "overlap", "circle_radius", "distance", "lattice")
+
+
+def _woven(**members: Any) -> Dict[str, Any]:
+    """The JSON of those members of a weave that are given, in which texts with units are numbers."""
+    material = members.get("material")
+    if isinstance(material, dict):
+        members["material"] = members_without_units(material, {"youngs_modulus": "stress"})
+    return given(**members_without_units(members, {name: "length" for name in _LENGTHS}))
 
 
 def _sheet(size: Optional[Tuple[int, int]]) -> Optional[Dict[str, int]]:
@@ -140,16 +153,17 @@ class Place(Sent):
         return Place({"crossing": int(index)})
 
     @staticmethod
-    def strand(index: int, *, coordinate: Optional[float] = None, share: Optional[float] = None) -> "Place":
+    def strand(index: int, *, coordinate: Optional[Number] = None, share: Optional[float] = None) -> "Place":
         """A place `coordinate` mm along a strand, or at a fraction `share` of its length: 0 and 1 are its ends."""
         if (coordinate is None) == (share is None):
             raise ValueError("a place of a strand is given by either its coordinate or its share of the length")
-        return Place(given(strand=int(index), coordinate=coordinate, share=share))
+        return Place(given(strand=int(index), coordinate=without_unit(coordinate, "coordinate", "length"), share=share))
 
     @staticmethod
     def box(lower: ArrayLike, upper: ArrayLike) -> "Place":
         """All crossings and free ends of strands between two corners, mm."""
-        return Place({"box": [numbers(lower, "lower", Shape(2)), numbers(upper, "upper", Shape(2))]})
+        corners = (without_unit(corner, name, "length") for name, corner in (("lower", lower), ("upper", upper)))
+        return Place({"box": [numbers(corner, name, Shape(2)) for name, corner in zip(("lower", "upper"), corners)]})
 
 
 @dataclass(frozen=True)
@@ -165,10 +179,10 @@ class Support(Sent):
     """
 
     at: Place
-    displacement: Optional[Vector3Like] = None
+    displacement: Annotated[Optional[Vector3Like], LENGTH] = None
     held: Optional[Sequence[bool]] = None
     clamped: bool = False
-    rotation: Optional[Vector3Like] = None
+    rotation: Annotated[Optional[Vector3Like], ANGLE] = None
 
 
 @dataclass(frozen=True)
@@ -176,7 +190,7 @@ class Force(Sent):
     """A dead load, shape (3,), N. It is distributed over the places of a box."""
 
     at: Place
-    force: Vector3Like
+    force: Annotated[Vector3Like, FORCE]
 
 
 @dataclass(frozen=True)
@@ -201,8 +215,8 @@ class WeaveOptions(Sent):
     tolerance: Annotated[Optional[float], ACCURACY] = None
     max_iterations: Annotated[Optional[int], ACCURACY] = None
     load_steps: Annotated[Optional[int], ACCURACY] = None
-    least_distance: Annotated[Optional[float], At("/sliding/")] = None
-    barrier_range: Annotated[Optional[float], At("/sliding/")] = None
+    least_distance: Annotated[Optional[Number], At("/sliding/"), LENGTH] = None
+    barrier_range: Annotated[Optional[Number], At("/sliding/"), LENGTH] = None
     regularization: Annotated[Optional[float], At("/sliding/")] = None
     out_of_plane: Annotated[Optional[str], EFFECT] = None
     buckling: Annotated[Optional[str], EFFECT] = None
@@ -214,7 +228,7 @@ class WeaveLayoutRequest(Request[WeaveLayout], path="/v1/weave-layouts"):
     """Strands and crossings at rest, with warnings of likely mistakes. Raises `InvalidWeave`."""
 
     weave: Weave
-    deadline: Optional[float] = None
+    deadline: Deadline = None
     timeout: Timeout = None
     progress: Reported = None
     priority: Optional[str] = None
@@ -227,7 +241,7 @@ class WeavePictureRequest(FileRequest, path="/v1/weave-layouts"):
     TYPES = {"svg": "image/svg+xml"}
     weave: Weave
     kind: Kind = "svg"
-    deadline: Optional[float] = None
+    deadline: Deadline = None
     timeout: Timeout = None
     progress: Reported = None
     priority: Optional[str] = None
@@ -255,13 +269,13 @@ class WeaveHomogenizationRequest(Request[WeaveHomogenization], path="/v1/weave-h
     """
 
     weave: Weave
-    strain: Optional[float] = None
-    directions: Annotated[Union[int, ArrayLike, None], At(write=_directions_to_wire)] = None
+    strain: Annotated[Optional[Number], RATIO] = None
+    directions: Annotated[Union[int, ArrayLike, None], At(write=_directions_to_wire), ANGLE] = None
     shear: Optional[str] = None
-    thickness: Optional[float] = None
+    thickness: Annotated[Optional[Number], LENGTH] = None
     deformed: IndexList = ()
     options: Annotated[Optional[WeaveOptions], At("")] = None
-    deadline: Optional[float] = None
+    deadline: Deadline = None
     timeout: Timeout = None
     progress: Reported = None
     priority: Optional[str] = None
@@ -290,7 +304,7 @@ class WeaveDeformationRequest(Request[WeaveDeformation], path="/v1/weave-deforma
     deformation_gradients: Annotated[ArrayLike, At(write=_gradients_to_wire)]
     deformed: IndexList = ()
     options: Annotated[Optional[WeaveOptions], At("")] = None
-    deadline: Optional[float] = None
+    deadline: Deadline = None
     timeout: Timeout = None
     progress: Reported = None
     priority: Optional[str] = None
@@ -316,7 +330,7 @@ class WeaveSimulationRequest(Request[WeaveSimulation], path="/v1/weave-simulatio
     states: Optional[int] = None
     deformed: Optional[str] = None
     options: Annotated[Optional[WeaveOptions], At("")] = None
-    deadline: Optional[float] = None
+    deadline: Deadline = None
     timeout: Timeout = None
     progress: Reported = None
     priority: Optional[str] = None

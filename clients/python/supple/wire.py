@@ -88,14 +88,14 @@ class Shape:
 
 class Member(NamedTuple):
     """A field of a dataclass as a member of its JSON: its name, its type without marks, its place, its shape, its default and the
-    dimension of its unit, if it may have one."""
+    dimensions of which its unit may be, if it may have one."""
 
     name: str
     hint: Any
     at: At
     shape: Optional[Shape]
     default: Any
-    dimension: Optional[str]
+    dimensions: Tuple[str, ...]
 
 
 @functools.lru_cache(maxsize=None)
@@ -112,8 +112,8 @@ def _field(one: "dataclasses.Field[Any]", hint: Any) -> Member:
         default = one.default_factory()
     at = next((mark for mark in marks if isinstance(mark, At)), At())
     shape = next((mark for mark in (*marks, *inner) if isinstance(mark, Shape)), None)
-    dimension = next((mark.dimension for mark in marks if isinstance(mark, Quantity)), None)
-    return Member(one.name, hint, at, shape, default, dimension)
+    dimensions = next((mark.dimensions for mark in marks if isinstance(mark, Quantity)), ())
+    return Member(one.name, hint, at, shape, default, dimensions)
 
 
 def _without_marks(hint: Any) -> Tuple[Any, Tuple[Any, ...]]:
@@ -233,8 +233,8 @@ class Sent:
         """Replaces texts with units by numbers. Raises `ValueError`."""
         kind: Any = type(self)
         for field in fields_of(kind):
-            if field.dimension is not None:
-                value = without_unit(getattr(self, field.name), field.name, field.dimension)
+            if field.dimensions:
+                value = without_unit(getattr(self, field.name), field.name, field.dimensions)
                 object.__setattr__(self, field.name, value)
 
     def __init_subclass__(cls, **constants: Any) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from pathlib import Path
 from typing import Any, Dict, Iterator, List, Mapping, Set, Tuple, Union, get_args, get_origin
 
@@ -168,6 +169,22 @@ def test_a_class_of_requests_offers_what_its_schema_does(request_class: Any) -> 
     for group in ("accuracy", "effects", "sliding", "specimen", "mesh"):
         inside = set(members(members(body).get(group, ({}, False))[0]))
         assert inside <= offered, f"not offered in {group}: {inside - offered}"
+
+
+UNIT = re.compile(r"\b(mm|MPa|[Rr]adians|[Ss]econds|newtons)\b")
+WITHOUT_UNITS = {"accuracy/tolerance", "sliding/regularization"}
+"""Numbers in whose description there are units, but not of theirs; and N/mm, which is none that texts may have."""
+
+
+@pytest.mark.parametrize("request_class", REQUESTS, ids=[one.__name__ for one in REQUESTS])
+def test_each_quantity_of_a_request_may_have_a_unit(request_class: Any) -> None:
+    body = CONTRACT["paths"][request_class.path]["post"]["requestBody"]["content"]["application/json"]["schema"]
+    for where, field in sent_members(request_class):
+        schema = body
+        for part in where.split("/"):
+            schema, _ = members(schema)[part]
+        has_unit = UNIT.search(resolved(schema).get("description", "")) and types_of(schema) & {"number", "array"}
+        assert not has_unit or field.dimensions or where in WITHOUT_UNITS, f"{where}: {resolved(schema)['description']}"
 
 
 TARGET = supple.Target("stress_strain", [(0, 0), (0.1, 1)], direction=0.5, strain_measure="engineering", interpolation="linear",

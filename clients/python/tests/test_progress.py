@@ -8,10 +8,13 @@ import sys
 from types import ModuleType
 from typing import Any, List, Tuple
 
+import numpy as np
 import pytest
 
+from supple import DesignError, PartialDesign, PartialRound, PolishRound
 from supple import progress as module
 from supple.progress import Reporter
+from supple.rounds import Rounds
 
 
 class Terminal(io.StringIO):
@@ -56,6 +59,42 @@ def test_without_tqdm_a_terminal_has_one_line_that_goes_away(monkeypatch: pytest
     text = stream.getvalue()
     assert "\r 25 %  a long stage" in text and "100 %  end" in text and "\n" not in text
     assert text.endswith("\r")
+
+
+def test_each_round_of_polishing_remains_above_the_bar(monkeypatch: pytest.MonkeyPatch, without_tqdm: None) -> None:
+    stream = Terminal()
+    monkeypatch.setattr(sys, "stderr", stream)
+    with Reporter(True) as report:
+        report(0.25, "polish", "best 4.5 %, 12 s left", "4.5 % off by the simulation after 2 s, best 4.5 %")
+    assert "4.5 % off by the simulation after 2 s, best 4.5 %\n" in stream.getvalue() and " 25 %  polish, best 4.5 %, 12 s left" in stream.getvalue()
+    seen: List[Tuple[float, str]] = []
+    with Reporter(lambda fraction, stage: seen.append((fraction, stage))) as report:
+        report(0.5, "polish", "best 4.5 %", "a round")
+    assert seen == [(0.5, "polish")], "functions get the stage of the server"
+
+
+def polished(name: str, error: Any, seconds: float) -> PartialRound:
+    return PartialRound(name, "IH21", "ih21", PolishRound("step", np.array([0.1]), error, False, "", seconds, 0.0))
+
+
+def test_the_best_of_several_regions_is_that_of_the_worst_one() -> None:
+    rounds = Rounds()
+    assert rounds.best() == "" and rounds.add(None) == ""
+    assert rounds.add(polished("heel", 0.2, 2.0)) == "heel: 20 % off by the simulation after 2 s, best 20 %"
+    assert rounds.add(polished("heel", 0.2, 2.0)) == "", "the same round is reported once more"
+    assert rounds.add(polished("heel", 0.3, 1.5)) == "heel: 30 % off by the simulation after 1.5 s, best 20 %"
+    assert rounds.best() == "best 20 %"
+    assert rounds.add(polished("toe", None, 1.0)) == "toe: not simulated after 1 s"
+    rounds.add(polished("toe", 0.01, 1.0))
+    assert rounds.best() == "worst: heel, best 20 %"
+
+
+def test_regions_without_a_name_are_told_apart_by_the_searches_between_them() -> None:
+    rounds, search = Rounds(), PartialDesign("", "IH21", "ih21", np.array([0.1]), np.zeros(1), np.zeros(1), DesignError(0.1, 1.0), 3, 0.0)
+    for error, seconds in ((0.2, 1.0), (0.01, 2.0)):
+        rounds.add(search)
+        rounds.add(polished("", error, seconds))
+    assert rounds.best() == "worst: region 1, best 20 %"
 
 
 def test_tqdm_is_used_where_it_is_installed(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -62,6 +62,24 @@ def test_a_result_is_one_short_line() -> None:
     assert repr(result.error) == "DesignError(relative_rms=0.02, max=0.3)"
 
 
+def test_a_ranking_says_what_the_model_says_and_what_the_simulation_says() -> None:
+    (ranked,) = design_document()["ranking"]
+    ranking = [{**ranked, "simulated_error": 0.45}, {**ranked, "family": "IH29"}]
+    result = decode(supple.DesignResult, {**design_document(ranking=ranking), **BILL})
+    first, second = map(repr, result.ranking)
+    assert first.startswith("DesignCandidate(family='IH21', deviation=45 % simulated, ")
+    assert second.startswith("DesignCandidate(family='IH29', deviation=2 % by the model, ")
+    assert "IH21: 45 % simulated; IH29: 2 % by the model" in result._repr_html_()
+
+
+def test_a_polished_design_shows_each_round() -> None:
+    one = {"proposal": "search", "parameters": [0.15], "target_error": 0.045, "accepted": True, "reason": "", "seconds": 2.0, "orientation": 0}
+    failed = {**one, "proposal": "step", "target_error": None, "accepted": False, "reason": "no equilibrium", "seconds": 1.5}
+    polish = decode(supple.Polish, {"target_error": 0.045, "stopped": "round_limit", "rounds": [one, failed]})
+    assert repr(polish).startswith("Polish(deviation=4.5 % by the simulation, stopped='round_limit', round 0=4.5 % after 2 s, search, kept")
+    assert "not simulated after 1.5 s, step, not kept: no equilibrium" in polish._repr_html_()
+
+
 def test_text_of_the_server_is_no_markup() -> None:
     result = decode(supple.DesignResult, {**design_document(family="<script>alert(1)</script>"), **BILL})
     assert "<script>" not in result._repr_html_() and "&lt;script&gt;" in result._repr_html_()
