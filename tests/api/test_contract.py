@@ -73,6 +73,10 @@ def test_the_server_serves_this_contract(api: Api) -> None:
     assert api.get("/openapi.yaml").content == (ROOT / "api" / "openapi.yaml").read_bytes()
 
 
+def test_the_server_serves_this_table_of_accuracies(api: Api) -> None:
+    assert api.get("/v1/accuracy-levels").content == (ROOT / "api" / "accuracy_levels.json").read_bytes()
+
+
 def test_the_error_table_has_no_code_twice_and_only_error_statuses() -> None:
     text = (ROOT / "api" / "errors.yaml").read_text(encoding="utf-8")
     assert len(re.findall(r"^\s*- code:", text, re.MULTILINE)) == len(ERROR_CODES)

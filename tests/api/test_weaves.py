@@ -218,6 +218,31 @@ def test_more_segments_are_more_accurate(api: Api) -> None:
     assert 0.07 < 1 - four / fine < 0.14 and 0.015 < 1 - eight / fine < 0.045
 
 
+def test_every_stiffness_has_an_error_that_holds(api: Api) -> None:
+    directions = [0.2, 0.8, 1.4]
+    answer = homogenized(api, SQUARES, directions)
+    fine = homogenized(api, SQUARES, directions, accuracy={"segments": 32}, effects={"error_estimate": "off"})
+    for name in ("youngs_modulus", "poisson_ratio"):
+        errors = np.abs(np.array(answer[name]) - np.array(fine[name]))
+        assert np.all(errors <= answer[f"{name}_error"]) and np.median(answer[f"{name}_error"]) < 10 * np.median(errors)
+    assert 0.02 < answer["accuracy"]["discretization_error"]["youngs_modulus"] < 0.4
+    assert {effect["name"]: effect["ran"] for effect in answer["effects"]}["error_estimate"]
+    assert fine["accuracy"]["discretization_error"] is None and fine["youngs_modulus_error"] == [None] * 3
+
+
+def test_deformations_and_sheets_have_errors_where_they_are_asked_for(api: Api) -> None:
+    states = api.ok(DEFORMATIONS, {"weave": REGULAR, "deformation_gradients": [[[1, 0.05], [0.05, 1]]]})
+    assert 0 < states["cauchy_stress_error"][0] < 0.5 * np.linalg.norm(states["cauchy_stress"][0])
+    assert set(states["accuracy"]["discretization_error"]) == {"stress", "energy"}
+    sheet = {"weave": {"pattern": "regular", "sheet": {"columns": 3, "rows": 3}},
+             "supports": [{"at": {"strand": 0, "share": 0}}, {"at": {"strand": 0, "share": 1}},
+                          {"at": {"strand": 2, "share": 0.5}, "displacement": [1, 0, 0]}], "deformed": "none"}
+    usual = api.ok(SIMULATIONS, sheet)
+    assert usual["accuracy"]["discretization_error"] is None and usual["states"][0]["energy_error"] is None
+    asked = api.ok(SIMULATIONS, {**sheet, "effects": {"error_estimate": "on"}})
+    assert 0 < asked["states"][0]["energy_error"] < asked["states"][0]["energy"] and asked["states"][0]["reaction_error"] > 0
+
+
 def test_the_answer_says_what_ran_and_what_was_reached(api: Api) -> None:
     answer = homogenized(api, {**SQUARES, "type": 2}, 3, effects={"out_of_plane": "off"})
     effects = {effect["name"]: effect for effect in answer["effects"]}

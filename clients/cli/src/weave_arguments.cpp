@@ -184,6 +184,12 @@ void add_equilibrium_options(CLI::App& command, EquilibriumArguments& arguments)
   const auto switch_values = CLI::IsMember({"automatic", "on", "off"});
   command.add_option("--out-of-plane", arguments.out_of_plane, "The third dimension (automatic)")->check(switch_values);
   command.add_option("--buckling", arguments.buckling, "Leave unstable states (automatic)")->check(switch_values);
+  command
+      .add_option(
+          "--error-estimate", arguments.error_estimate,
+          "Compute states once more with half as many segments, which tells their errors (automatic: of at most "
+          "24 directions or gradients, and of no sheet)")
+      ->check(switch_values);
   command.add_option("--deadline", arguments.deadline, "Seconds that the computation may take, or for example 2min")
       ->transform(quantity(Dimension::duration))
       ->check(CLI::PositiveNumber);
@@ -206,6 +212,7 @@ void set_equilibrium_fields(const EquilibriumArguments& arguments, nlohmann::jso
     request["sliding"]["regularization"] = parse_number(arguments.sliding_stiffness, "stiffness");
   if (!arguments.out_of_plane.empty()) request["effects"]["out_of_plane"] = arguments.out_of_plane;
   if (!arguments.buckling.empty()) request["effects"]["buckling"] = arguments.buckling;
+  if (!arguments.error_estimate.empty()) request["effects"]["error_estimate"] = arguments.error_estimate;
   if (arguments.deadline > 0) request["deadline"] = arguments.deadline;
 }
 

@@ -45,6 +45,7 @@ struct EquilibriumArguments {
   std::string sliding_stiffness;
   std::string out_of_plane;
   std::string buckling;
+  std::string error_estimate;
   double deadline = 0;
 };
 

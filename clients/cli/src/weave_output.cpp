@@ -16,12 +16,30 @@
 namespace supple::cli {
 namespace {
 
+/// What a member of "discretization_error" is the error of, in the words of this output.
+std::string error_name(const std::string& name) {
+  if (name == "youngs_modulus") return "Young";
+  if (name == "poisson_ratio") return "Poisson";
+  return name;
+}
+
+/// An error in per cent, or as it is where it is no relative one.
+std::string error_text(const std::string& name, double error) {
+  return name == "poisson_ratio" ? fmt::format("{:.2g}", error) : fmt::format("{:.2g} %", 100 * error);
+}
+
 void print_accuracy(const nlohmann::json& answer) {
   const auto& accuracy = answer.at("accuracy");
   const auto& residual = accuracy.at("residual");
   fmt::print("residual    {} of what {:.1e} allows\n",
              residual.is_null() ? "none" : fmt::format("{:.1e}", residual.get<double>()),
              accuracy.at("tolerance").get<double>());
+  std::string errors;
+  if (const auto& discretization = accuracy.at("discretization_error"); discretization.is_object())
+    for (const auto& [name, error] : discretization.items())
+      errors += fmt::format("{}{} +- {}", errors.empty() ? "" : ", ", error_name(name),
+                            error_text(name, error.get<double>()));
+  fmt::print("error       {}\n", errors.empty() ? "unknown" : errors + ", because of the rods' resolution");
   const auto& limits = accuracy.at("limit_error");
   if (limits.is_null() || limits.get<double>() > 0)
     fmt::print("limits      an energy may be {} too high, because sliders stand short of their limits\n",
@@ -140,13 +158,15 @@ void print_deformations(const nlohmann::json& answer) {
 std::string homogenization_as_csv(const nlohmann::json& answer) {
   const bool mpa = answer.contains("youngs_modulus_mpa");
   std::string text = fmt::format(
-      "direction,youngs_modulus,{}poisson_ratio,F_xx,F_xy,F_yx,F_yy,sigma_xx,sigma_xy,sigma_yx,sigma_yy,{}\n",
+      "direction,youngs_modulus,{}poisson_ratio,youngs_modulus_error,poisson_ratio_error,F_xx,F_xy,F_yx,F_yy,sigma_xx,"
+      "sigma_xy,sigma_yx,sigma_yy,{}\n",
       mpa ? "youngs_modulus_mpa," : "", state_names);
   for (std::size_t i = 0; i < answer.at("directions").size(); ++i) {
     std::string line = cell_text(answer.at("directions").at(i));
     line += ',' + cell_text(answer.at("youngs_modulus").at(i));
     if (mpa) line += ',' + cell_text(answer.at("youngs_modulus_mpa").at(i));
-    line += ',' + cell_text(answer.at("poisson_ratio").at(i));
+    for (const char* name : {"poisson_ratio", "youngs_modulus_error", "poisson_ratio_error"})
+      line += ',' + cell_text(answer.at(name).at(i));
     append_matrix(line, answer.at("deformation_gradient").at(i), 2);
     append_matrix(line, answer.at("cauchy_stress").at(i), 2);
     append_state(line, answer, i);
@@ -160,13 +180,19 @@ void print_homogenization(const nlohmann::json& answer) {
   const auto cell = [&](const char* name, std::size_t i) {
     return rounded(answer.at(name).at(i), scale_of(answer.at(name)));
   };
+  const auto error_of = [&](const char* name, std::size_t i) {
+    const auto& error = answer.at(name).at(i);
+    return error.is_null() ? "unknown" : fmt::format("{:.2g}", error.get<double>());
+  };
   // More directions than this are not printed, since they are better plotted.
   constexpr std::size_t max_lines = 24;
   if (directions.size() <= max_lines) {
-    fmt::print("{:>10}  {:>12}  {:>10}  {}\n", "angle/rad", "E/(N/m)", "Poisson", "stopped");
+    fmt::print("{:>10}  {:>12}  {:>12}  {:>10}  {:>10}  {}\n", "angle/rad", "E/(N/m)", "+-", "Poisson", "+-",
+               "stopped");
     for (std::size_t i = 0; i < directions.size(); ++i)
-      fmt::print("{:>10}  {:>12}  {:>10}  {}{}\n", with_decimals(directions.at(i).get<double>()),
-                 cell("youngs_modulus", i), cell("poisson_ratio", i), answer.at("stopped").at(i).get<std::string>(),
+      fmt::print("{:>10}  {:>12}  {:>12}  {:>10}  {:>10}  {}{}\n", with_decimals(directions.at(i).get<double>()),
+                 cell("youngs_modulus", i), error_of("youngs_modulus_error", i), cell("poisson_ratio", i),
+                 error_of("poisson_ratio_error", i), answer.at("stopped").at(i).get<std::string>(),
                  answer.at("out_of_plane").at(i).get<bool>() ? ", out of plane" : "");
   }
   fmt::print("directions  {} at the strain {:.6g}\n", directions.size(), answer.at("strain").get<double>());

@@ -155,6 +155,7 @@ from .weave_answers import (
     LaidStrand,
     SheetState,
     WeaveDeformation,
+    WeaveDiscretizationError,
     WeaveHomogenization,
     WeaveLayout,
     WeaveSimulation,
@@ -199,7 +200,7 @@ __all__ = [
     "StructureSize", "Superseded", "SuppleError", "Support", "SurfacePoint", "Target", "Tile", "Uniaxial", "UniaxialCurve",
     "UniaxialRequest", "Verdict", "Verification", "Vertex", "Violation", "VoronoiCell", "VoronoiDiagram", "VoronoiDual", "VoronoiEdge",
     "VoronoiFileRequest", "VoronoiOptimizationRequest", "VoronoiOptions", "VoronoiPiece", "VoronoiPieces", "VoronoiRequest",
-    "VoronoiStatistics", "VoronoiVertex", "WayOut", "Weave", "WeaveDeformation", "WeaveDeformationRequest", "WeaveHomogenization",
-    "WeaveHomogenizationRequest", "WeaveLayout", "WeaveLayoutRequest", "WeaveOptions", "WeavePictureRequest",
+    "VoronoiStatistics", "VoronoiVertex", "WayOut", "Weave", "WeaveDeformation", "WeaveDeformationRequest", "WeaveDiscretizationError",
+    "WeaveHomogenization", "WeaveHomogenizationRequest", "WeaveLayout", "WeaveLayoutRequest", "WeaveOptions", "WeavePictureRequest",
     "WeaveSimulation", "WeaveSimulationRequest", "WeaveToolpath", "WeaveToolpathRequest", "parts",
 ]

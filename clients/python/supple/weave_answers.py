@@ -94,6 +94,21 @@ def _cells_of_gradients(cells: Any) -> Mapping[int, DeformedCell]:
 
 
 @dataclass(frozen=True, repr=False)
+class WeaveDiscretizationError(Shown):
+    """Estimated errors due to the rods' resolution, as root mean squares. They are relative except that of Poisson's ratio.
+
+    Each answer has its own: homogenizations `youngs_modulus` and `poisson_ratio`, deformations `stress` and `energy`, simulations
+    `reactions` and `energy`.
+    """
+
+    youngs_modulus: Optional[float] = None
+    poisson_ratio: Optional[float] = None
+    stress: Optional[float] = None
+    reactions: Optional[float] = None
+    energy: Optional[float] = None
+
+
+@dataclass(frozen=True, repr=False)
 class WeaveDeformation(Shown):
     """Equilibria of a periodic weave, one entry for each deformation gradient.
 
@@ -101,6 +116,8 @@ class WeaveDeformation(Shown):
         deformation_gradient: shape (n, 2, 2). For a gradient that was not reached it is the last one on the path to it.
         nominal_stress, cauchy_stress: shape (n, 2, 2), N/m.
         energy_density: N/m, shape (n,).
+        cauchy_stress_error, energy_density_error: estimated errors in N/m, shape (n,), of the stress as a Frobenius norm; nan where
+            they were not estimated (`WeaveOptions.error_estimate`). `discretization_error` has those of all together.
         stopped: "converged", "iteration_limit" or "step_too_small".
         out_of_plane, stable: bool, shape (n,).
         message: how many gradients were not reached, and for which entries sliders are not exactly at their limits; may be
@@ -115,6 +132,8 @@ class WeaveDeformation(Shown):
     nominal_stress: Array
     cauchy_stress: Array
     energy_density: Array
+    cauchy_stress_error: Array
+    energy_density_error: Array
     stopped: Tuple[str, ...]
     out_of_plane: Flags
     stable: Flags
@@ -125,6 +144,7 @@ class WeaveDeformation(Shown):
     limit_tolerance: Annotated[float, ACCURACY]
     limit_error: Annotated[Optional[float], ACCURACY]
     limit_errors: Annotated[Array, At("/limit_error")]
+    discretization_error: Annotated[Optional[WeaveDiscretizationError], ACCURACY]
     effects: Tuple[Effect, ...]
     cost: Cost
 
@@ -138,6 +158,9 @@ class WeaveHomogenization(Drawn):
         directions: radians, shape (n,).
         youngs_modulus: N/m; nan where not converged. `youngs_modulus_mpa` is the same in MPa; None without a thickness.
         poisson_ratio: nan where not converged.
+        youngs_modulus_error, poisson_ratio_error: estimated errors due to the rods' resolution, the first in N/m; at least 90 of 100
+            directions err by less. nan where they were not estimated (`WeaveOptions.error_estimate`). `discretization_error` has
+            those of all directions together.
         deformation_gradient, nominal_stress, cauchy_stress: shape (n, 2, 2), N/m.
         energy_density: N/m.
         stopped: "converged", "iteration_limit", "step_too_small" or "folded_flat".
@@ -154,6 +177,8 @@ class WeaveHomogenization(Drawn):
     youngs_modulus: Array
     youngs_modulus_mpa: Optional[Array]
     poisson_ratio: Array
+    youngs_modulus_error: Array
+    poisson_ratio_error: Array
     deformation_gradient: Array
     nominal_stress: Array
     cauchy_stress: Array
@@ -168,6 +193,7 @@ class WeaveHomogenization(Drawn):
     limit_tolerance: Annotated[float, ACCURACY]
     limit_error: Annotated[Optional[float], ACCURACY]
     limit_errors: Annotated[Array, At("/limit_error")]
+    discretization_error: Annotated[Optional[WeaveDiscretizationError], ACCURACY]
     effects: Tuple[Effect, ...]
     cost: Cost
 
@@ -196,6 +222,8 @@ class SheetState(Drawn):
         residual: N; None if it is not finite.
         limit_error: relative error of the energy, estimated, because sliders do not quite reach their limits; None if it is not
             finite.
+        energy_error, reaction_error: estimated errors of the energy (N mm) and of each reaction (N) due to the rods' resolution; None
+            where they were not estimated (`WeaveOptions.error_estimate`).
         iterations, load_steps, branches: numbers since the state before.
         strands: polylines of shape (n, 3); None unless deformed="json". `obj` and `vtu` likewise.
     """
@@ -210,6 +238,8 @@ class SheetState(Drawn):
     stopped: str
     residual: Optional[float]
     limit_error: Optional[float]
+    energy_error: Optional[float]
+    reaction_error: Optional[float]
     iterations: int
     load_steps: int
     branches: int
@@ -252,6 +282,7 @@ class WeaveSimulation(Drawn):
         states: one for each requested state, or fewer if the path ended early; the last one has then not converged.
         message: why the path ended early, and in which states sliders are not exactly at their limits; may be empty.
         limit_tolerance, limit_error: as in `WeaveHomogenization`.
+        discretization_error: estimated errors of reactions and energies; None unless they were estimated.
         unknowns: number of unknowns of the largest system that was solved.
     """
 
@@ -263,6 +294,7 @@ class WeaveSimulation(Drawn):
     residual: Annotated[Optional[float], ACCURACY]
     limit_tolerance: Annotated[float, ACCURACY]
     limit_error: Annotated[Optional[float], ACCURACY]
+    discretization_error: Annotated[Optional[WeaveDiscretizationError], ACCURACY]
     unknowns: Annotated[int, ACCURACY]
     effects: Tuple[Effect, ...]
     cost: Cost

@@ -209,6 +209,8 @@ class WeaveOptions(Sent):
         regularization: stiffness of sliding, N/mm.
         out_of_plane, buckling: "on", "off" or "automatic".
         limit_tolerance: largest relative error of the energy because sliders do not quite reach their limits. 1e-6 by default.
+        error_estimate: whether states are computed once more with half as many segments, to estimate their errors. "automatic" does
+            so for at most 24 directions or gradients, and for no sheet; "on" for all, "off" for none.
     """
 
     segments: Annotated[Optional[int], ACCURACY] = None
@@ -221,6 +223,7 @@ class WeaveOptions(Sent):
     out_of_plane: Annotated[Optional[str], EFFECT] = None
     buckling: Annotated[Optional[str], EFFECT] = None
     limit_tolerance: Annotated[Optional[float], ACCURACY] = None
+    error_estimate: Annotated[Optional[str], EFFECT] = None
 
 
 @dataclass(frozen=True)

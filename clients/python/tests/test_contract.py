@@ -232,7 +232,7 @@ SAMPLES: List[Request[Any]] = [
     supple.WeaveLayoutRequest(supple.Weave.layout(STRANDS, lattice=[[8, 0], [0, 8]])),
     supple.WeavePictureRequest(supple.Weave.circles(2, circle_radius=6)),
     supple.WeaveHomogenizationRequest(supple.Weave.squares(2), 0.2, [0, 1], "suppressed", 0.5, [1], supple.WeaveOptions(
-        8, 1e-8, 9, 2, 0.2, 0.05, 1e-5, "off", "on", 1e-4)),
+        8, 1e-8, 9, 2, 0.2, 0.05, 1e-5, "off", "on", 1e-4, "on")),
     supple.WeaveDeformationRequest(supple.Weave.rings(), np.eye(2), [0]),
     supple.WeaveSimulationRequest(WEAVE, [supple.Support(supple.Place.box((0, 1), (2, 3)), (1, 2, 3), (True, False, True), True,
                                                          (0, 0, 0.5))],

@@ -97,13 +97,17 @@ def test_missing_moduli_are_no_numbers() -> None:
     matrices = [np.eye(2).tolist()] * 2
     result = decode(supple.WeaveHomogenization, {
         "strain": 0.1, "directions": [0, 1], "youngs_modulus": [5, None], "poisson_ratio": [0.3, None],
+        "youngs_modulus_error": [0.5, None], "poisson_ratio_error": [0.02, None],
         "deformation_gradient": matrices, "nominal_stress": matrices, "cauchy_stress": matrices, "energy_density": [1, 2],
         "stopped": ["converged", "step_too_small"], "residual": [0, None], "out_of_plane": [False, True],
         "stable": [True, True], "iterations": [1, 2], "load_steps": [1, 2], "branches": [0, 0],
         "limit_error": [1e-8, None], "message": "1 of 2",
         "sliders": [], "cells": [{"direction": 1, "lattice": [[1, 0], [0, 1]], "strands": [[[0, 0, 0], [1, 0, 0]]],
                                   "sliding": []}],
-        "accuracy": {"segments": 4, "tolerance": 1e-6, "residual": None, "limit_tolerance": 1e-6, "limit_error": None}, **BILL})
+        "accuracy": {"segments": 4, "tolerance": 1e-6, "residual": None, "limit_tolerance": 1e-6, "limit_error": None,
+                     "discretization_error": {"youngs_modulus": 0.1, "poisson_ratio": 0.02}}, **BILL})
+    assert result.youngs_modulus_error[0] == 0.5 and np.isnan(result.poisson_ratio_error[1])
+    assert result.discretization_error is not None and result.discretization_error.youngs_modulus == 0.1
     assert result.limit_tolerance == 1e-6 and result.limit_error is None
     assert result.limit_errors[0] == 1e-8 and np.isnan(result.limit_errors[1])
     assert result.youngs_modulus[0] == 5 and np.isnan(result.youngs_modulus[1]) and np.isnan(result.poisson_ratio[1])
@@ -113,13 +117,14 @@ def test_missing_moduli_are_no_numbers() -> None:
 
 def test_reactions_of_a_box_add_up() -> None:
     state = {"share": 1, "energy": 2, "crossings": [[0, 0, 0]], "sliding": [0.5], "reactions": [[1, 0, 0], [2, 0, 0], [0, 3, 0]],
-             "out_of_plane": False, "stable": True, "stopped": "converged", "residual": 1e-9, "limit_error": 2e-8, "iterations": 3,
+             "out_of_plane": False, "stable": True, "stopped": "converged", "residual": 1e-9, "limit_error": 2e-8, "energy_error": 0.1,
+             "reaction_error": None, "iterations": 3,
              "load_steps": 1, "branches": 0, "obj": "v"}
     places = [{"support": support, "strand": 0, "coordinate": 0, "position": [0, 0]} for support in (0, 0, 1)]
     result = decode(supple.WeaveSimulation, {
         "supports": places, "sliders": [{"crossing": 2, "member": 1}], "states": [state], "message": "",
         "accuracy": {"segments": 4, "tolerance": 1e-6, "residual": 0.1, "limit_tolerance": 1e-6, "limit_error": 2e-8,
-                     "unknowns": 9}, **BILL})
+                     "discretization_error": None, "unknowns": 9}, **BILL})
     assert result.limit_error == result.states[0].limit_error == 2e-8
     assert result.converged and result.sliders == ((2, 1),) and result.unknowns == 9
     assert result.resultant(0).tolist() == [[3, 0, 0]] and result.resultant(1).tolist() == [[0, 3, 0]]

@@ -24,6 +24,8 @@ std::string_view to_string(Stop stop) {
 void validate(const EquilibriumOptions& options) {
   Faults faults;
   faults.require(options.segments >= 1 && options.segments <= 64, "segments", "must lie within [1, 64]");
+  faults.require(options.max_segment_turn > 0 && options.max_segment_turn <= 2, "max_segment_turn",
+                 "must lie within (0, 2] rad");
   faults.require(options.tolerance >= 1e-12 && options.tolerance <= 1e-1, "tolerance", "must lie within [1e-12, 0.1]");
   faults.require(options.max_iterations >= 1 && options.max_iterations <= 10'000, "max_iterations",
                  "must lie within [1, 10000]");

@@ -2,14 +2,19 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <numbers>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "direction_sweep.h"
 #include "natural_units.h"
+#include "resolution_error.h"
 #include "supple/base/faults.h"
 #include "supple/base/parallel_tasks.h"
+#include "supple/base/part_of_execution.h"
 #include "supple/weave/weave_error.h"
 #include "weave_run.h"
 
@@ -27,6 +32,9 @@ constexpr int finer_step_ratio = 3;
 constexpr int max_finer_steps = 1000;
 /// Ratio of a cell's area to its area at rest below which the cell is folded flat: its strands lie beside each other.
 constexpr double min_area_ratio = 1e-3;
+/// The stage of the bill, and the fraction of the progress before it.
+constexpr std::string_view estimate_stage = "error estimate";
+constexpr double fraction_before_estimate = 0.7;
 
 void check(const Weave& weave, const EquilibriumOptions& options, const Execution& execution) {
   validate(weave, execution);
@@ -167,11 +175,11 @@ std::vector<double> directions_over_half_turn(int count) {
   return directions;
 }
 
-std::vector<DirectionalResponse> homogenize(const Weave& weave, const HomogenizationOptions& options,
-                                            const Execution& execution) {
-  check(weave, options.equilibrium, execution);
-  check(options);
-  const NaturalWeave natural(weave);
+namespace {
+
+/// The responses in all directions, without estimates of their errors.
+std::vector<DirectionalResponse> follow_directions(const NaturalWeave& natural, const HomogenizationOptions& options,
+                                                   const Execution& execution) {
   const EquilibriumOptions equilibrium = in_natural_units(options.equilibrium, natural.units());
   const Prescription prescription = uniaxial(options);
   const auto n = static_cast<int>(options.directions.size());
@@ -223,6 +231,86 @@ std::vector<DirectionalResponse> homogenize(const Weave& weave, const Homogeniza
   return responses;
 }
 
+/// Estimates the errors of the responses, of which some are followed once more with rods of another resolution. Bills
+/// the time to the effect; what these directions did is no part of the answer.
+void estimate_errors(const NaturalWeave& natural, const HomogenizationOptions& options, const Execution& execution,
+                     std::vector<DirectionalResponse>& responses) {
+  const auto start = std::chrono::steady_clock::now();
+  const StageTimer timer(execution.cost, estimate_stage);
+  const OtherResolution other = other_resolution(options.equilibrium);
+  const std::vector<std::size_t> indices = compared_directions(responses, options.equilibrium.error_estimate);
+  HomogenizationOptions again = options;
+  again.equilibrium = other.equilibrium;
+  again.deformed.clear();
+  again.directions.clear();
+  for (const std::size_t i : indices) again.directions.push_back(options.directions[i]);
+  const auto compared = follow_directions(natural, again, {execution.cancellation, execution.progress, nullptr});
+  const double area = natural.units().length * natural.units().length * natural.weave().lattice->determinant();
+  set_errors(indices, compared, other.factor, area, options, responses);
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  bill({.count = indices.size(),
+        .total = responses.size(),
+        .entries = "directions",
+        .segments = other.equilibrium.segments,
+        .seconds = seconds.count()},
+       execution.cost);
+}
+
+/// The states under gradients that have been checked, with polylines of the `deformed` ones.
+std::vector<CellState> states_under(const NaturalWeave& natural, const std::vector<Eigen::Matrix2d>& gradients,
+                                    const EquilibriumOptions& options, const std::vector<int>& deformed,
+                                    const Execution& execution) {
+  const std::vector<bool> wanted = chosen(deformed, gradients.size());
+  std::vector<CellState> states(gradients.size());
+  const auto bills =
+      parallel_bills(static_cast<int>(states.size()), execution, "gradients", [&](int index, const Execution& own) {
+        const auto i = static_cast<std::size_t>(index);
+        states[i] = state_under(natural, gradients[i], options, own, wanted[i]);
+      });
+  if (execution.cost) add_bills(bills, *execution.cost);
+  return states;
+}
+
+/// Estimates the errors of states, of which some are computed once more with rods of another resolution.
+void estimate_errors(const NaturalWeave& natural, const std::vector<Eigen::Matrix2d>& gradients,
+                     const EquilibriumOptions& options, const Execution& execution, std::vector<CellState>& states) {
+  const auto start = std::chrono::steady_clock::now();
+  const StageTimer timer(execution.cost, estimate_stage);
+  const OtherResolution other = other_resolution(options);
+  const std::vector<std::size_t> indices = compared_positions(states.size(), options.error_estimate);
+  std::vector<Eigen::Matrix2d> again;
+  again.reserve(indices.size());
+  for (const std::size_t i : indices) again.push_back(gradients[i]);
+  const auto compared =
+      states_under(natural, again, other.equilibrium, {}, {execution.cancellation, execution.progress, nullptr});
+  set_errors(indices, compared, other.factor, states);
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  bill({.count = indices.size(),
+        .total = states.size(),
+        .entries = "deformation gradients",
+        .segments = other.equilibrium.segments,
+        .seconds = seconds.count()},
+       execution.cost);
+}
+
+}  // namespace
+
+std::vector<DirectionalResponse> homogenize(const Weave& weave, const HomogenizationOptions& options,
+                                            const Execution& execution) {
+  check(weave, options.equilibrium, execution);
+  check(options);
+  const NaturalWeave natural(weave);
+  if (options.equilibrium.error_estimate == Switch::off) {
+    bill_no_estimate(Switch::off, execution.cost);
+    return follow_directions(natural, options, execution);
+  }
+  const PartOfExecution first(execution, 0, fraction_before_estimate);
+  auto responses = follow_directions(natural, options, first.execution());
+  const PartOfExecution second(execution, fraction_before_estimate, 1 - fraction_before_estimate);
+  estimate_errors(natural, options, second.execution(), responses);
+  return responses;
+}
+
 CellState deform_cell(const Weave& weave, const Eigen::Matrix2d& deformation_gradient,
                       const EquilibriumOptions& options, const Execution& execution, bool with_polylines) {
   check(weave, options, execution);
@@ -242,15 +330,15 @@ std::vector<CellState> deform_cells(const Weave& weave, const std::vector<Eigen:
     check_gradient(deformation_gradients[i], "deformation_gradients/" + std::to_string(i), faults);
   check_deformed(deformed, deformation_gradients.size(), "deformation gradient", faults);
   faults.throw_if_any<InvalidLoad>("weave.invalid_load");
-  const std::vector<bool> wanted = chosen(deformed, deformation_gradients.size());
   const NaturalWeave natural(weave);
-  std::vector<CellState> states(deformation_gradients.size());
-  const auto bills =
-      parallel_bills(static_cast<int>(states.size()), execution, "gradients", [&](int index, const Execution& own) {
-        const auto i = static_cast<std::size_t>(index);
-        states[i] = state_under(natural, deformation_gradients[i], options, own, wanted[i]);
-      });
-  if (execution.cost) add_bills(bills, *execution.cost);
+  if (options.error_estimate == Switch::off) {
+    bill_no_estimate(Switch::off, execution.cost);
+    return states_under(natural, deformation_gradients, options, deformed, execution);
+  }
+  const PartOfExecution first(execution, 0, fraction_before_estimate);
+  auto states = states_under(natural, deformation_gradients, options, deformed, first.execution());
+  const PartOfExecution second(execution, fraction_before_estimate, 1 - fraction_before_estimate);
+  estimate_errors(natural, deformation_gradients, options, second.execution(), states);
   return states;
 }
 

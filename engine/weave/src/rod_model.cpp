@@ -7,8 +7,6 @@
 namespace supple::weave {
 namespace {
 
-/// Maximum turning angle of a segment of a curved strand, rad.
-constexpr double max_segment_turn = 0.6;
 /// Places of a strand this close to each other, relative to its length, are the same node.
 constexpr double node_tolerance = 1e-7;
 
@@ -176,8 +174,8 @@ class ModelBuilder {
     const MaterialCoordinate begin = coordinate_of(from);
     const MaterialCoordinate end = coordinate_of(to, offset);
     const double turn = turn_between(curve, begin.start, end.start);
-    const int count =
-        std::max({min_segments, model_.options_.segments, static_cast<int>(std::ceil(turn / max_segment_turn))});
+    const int count = std::max(
+        {min_segments, model_.options_.segments, static_cast<int>(std::ceil(turn / model_.options_.max_segment_turn))});
     if (from.slider >= 0 || to.slider >= 0)
       model_.gaps_.push_back({strand, begin, end, from.end || to.end, from.half_width + to.half_width});
     int tail = from.node;

@@ -25,6 +25,7 @@ struct ModelOptions {
   /// Number of pieces of rod between neighbouring crossings, ends and anchors of a strand. A curved strand that turns
   /// far gets more.
   int segments = 2;
+  double max_segment_turn = 0.6;  ///< maximum turn of a curved strand within one piece, rad
   /// The macroscopic deformation gradient is F = sum_k f_k D_k with D = d d^T, d n^T, n d^T, n n^T. The unit vector d
   /// is at this angle from the x axis, rad, and n is normal to d.
   double direction = 0;

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -11,8 +12,10 @@
 #include <utility>
 
 #include "natural_units.h"
+#include "resolution_error.h"
 #include "supple/base/faults.h"
 #include "supple/base/number_text.h"
+#include "supple/base/part_of_execution.h"
 #include "supple/weave/weave_error.h"
 #include "weave_run.h"
 
@@ -161,20 +164,17 @@ SheetState state_of(WeaveRun& run, const SheetLoad& load, const NaturalUnits& un
   return state;
 }
 
-}  // namespace
+/// A load, checked and in the natural units of its sheet.
+struct ScaledLoad {
+  SheetLoad load;
+  Prescription prescription;
+};
 
-SimulationResult simulate(const Weave& weave, const SheetLoad& load, const EquilibriumOptions& options,
-                          const Execution& execution) {
-  validate(weave, execution);
-  validate(options);
-  check(weave, load);
-  execution.cancellation.throw_if_requested();
-  const NaturalWeave natural(weave);
-  const SheetLoad scaled = in_natural_units(load, natural.units());
-  Prescription prescription = prescribe(scaled);
-  prescription.strain = strain_of(scaled, natural.weave());
-  check_nodes(natural.weave(), scaled, prescription, options, execution);
-  WeaveRun run(natural.weave(), prescription, 0, in_natural_units(options, natural.units()), execution);
+/// Follows the load path of a sheet.
+SimulationResult follow(const NaturalWeave& natural, const ScaledLoad& scaled, const EquilibriumOptions& options,
+                        const Execution& execution) {
+  const SheetLoad& load = scaled.load;
+  WeaveRun run(natural.weave(), scaled.prescription, 0, in_natural_units(options, natural.units()), execution);
   SimulationResult result;
   result.states.reserve(static_cast<std::size_t>(load.states));
   int iterations = 0;
@@ -183,7 +183,7 @@ SimulationResult simulate(const Weave& weave, const SheetLoad& load, const Equil
   for (int k = 1; k <= load.states; ++k) {
     execution.checkpoint(static_cast<double>(k - 1) / load.states, "states");
     const bool arrived = run.advance_to(k == load.states ? 1 : static_cast<double>(k) / load.states);
-    SheetState state = state_of(run, scaled, natural.units());
+    SheetState state = state_of(run, load, natural.units());
     if (!arrived && state.stopped == Stop::converged) state.stopped = Stop::step_too_small;
     state.iterations = run.iterations() - std::exchange(iterations, run.iterations());
     state.load_steps = run.load_steps() - std::exchange(load_steps, run.load_steps());
@@ -197,6 +197,59 @@ SimulationResult simulate(const Weave& weave, const SheetLoad& load, const Equil
     break;
   }
   run.bill_effects();
+  return result;
+}
+
+/// Sets the errors of the states, from those of another resolution, of which there may be fewer.
+void set_errors(const SimulationResult& other, double factor, SimulationResult& result) {
+  for (std::size_t k = 0; k < std::min(result.states.size(), other.states.size()); ++k) {
+    SheetState& state = result.states[k];
+    const SheetState& compared = other.states[k];
+    if (state.stopped != Stop::converged || compared.stopped != Stop::converged) continue;
+    state.energy_error = factor * std::abs(state.energy - compared.energy) + state.limit_error * state.energy;
+    double largest = 0;
+    double difference = 0;
+    for (std::size_t i = 0; i < state.reactions.size(); ++i) {
+      largest = std::max(largest, state.reactions[i].norm());
+      difference = std::max(difference, (state.reactions[i] - compared.reactions[i]).norm());
+    }
+    state.reaction_error = factor * difference + state.limit_error * largest;
+  }
+}
+
+}  // namespace
+
+SimulationResult simulate(const Weave& weave, const SheetLoad& load, const EquilibriumOptions& options,
+                          const Execution& execution) {
+  validate(weave, execution);
+  validate(options);
+  check(weave, load);
+  execution.cancellation.throw_if_requested();
+  const NaturalWeave natural(weave);
+  ScaledLoad scaled{in_natural_units(load, natural.units()), {}};
+  scaled.prescription = prescribe(scaled.load);
+  scaled.prescription.strain = strain_of(scaled.load, natural.weave());
+  check_nodes(natural.weave(), scaled.load, scaled.prescription, options, execution);
+  if (options.error_estimate != Switch::on) {
+    bill_no_estimate(options.error_estimate, execution.cost);
+    return follow(natural, scaled, options, execution);
+  }
+  constexpr double fraction = 0.7;  // of the progress, until errors are estimated
+  const PartOfExecution first(execution, 0, fraction);
+  SimulationResult result = follow(natural, scaled, options, first.execution());
+  const auto start = std::chrono::steady_clock::now();
+  const PartOfExecution second(execution, fraction, 1 - fraction);
+  const StageTimer timer(execution.cost, "error estimate");
+  const OtherResolution other = other_resolution(options);
+  set_errors(follow(natural, scaled, other.equilibrium, {execution.cancellation, second.execution().progress, nullptr}),
+             other.factor, result);
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  bill({.count = result.states.size(),
+        .total = result.states.size(),
+        .entries = "states",
+        .segments = other.equilibrium.segments,
+        .seconds = seconds.count()},
+       execution.cost);
   return result;
 }
 

@@ -34,6 +34,7 @@ WeaveRun::WeaveRun(const Weave& weave, const Prescription& prescription, double 
   energy_.least_distance = options.least_distance;
   if (options.sliding_regularization) energy_.sliding_regularization = *options.sliding_regularization;
   model_options_.segments = options.segments;
+  model_options_.max_segment_turn = options.max_segment_turn;
   model_options_.direction = direction;
   model_options_.cancellation = execution.cancellation;
   rigid_cholesky_.use_fast_ordering();

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
+#include <string_view>
+#include <utility>
 
 #include "answer_parts.h"
 #include "supple/weave/drawing.h"
@@ -110,6 +113,8 @@ void write_moduli(JsonWriter& out, bool with_thickness, const std::vector<Direct
   if (with_thickness)
     write_each(out, "youngs_modulus_mpa", responses, [&](const auto& r) { number_or_null(r.youngs_modulus_mpa); });
   write_each(out, "poisson_ratio", responses, [&](const auto& r) { number_or_null(r.poisson_ratio); });
+  write_each(out, "youngs_modulus_error", responses, [&](const auto& r) { number_or_null(r.youngs_modulus_error); });
+  write_each(out, "poisson_ratio_error", responses, [&](const auto& r) { number_or_null(r.poisson_ratio_error); });
 }
 
 const CellState& state_in(const CellState& state) { return state; }
@@ -175,6 +180,69 @@ void write_cells(JsonWriter& out, std::string_view number, const std::vector<int
   out.end_array();
 }
 
+/// The root mean square of estimated errors over that of the values; not a number where none was estimated.
+class RelativeErrors {
+ public:
+  void add(double error, double value) {
+    if (!std::isfinite(error)) return;
+    errors_ += error * error;
+    values_ += value * value;
+    ++count_;
+  }
+  /// The same of the errors alone.
+  double absolute() const { return std::sqrt(errors_ / static_cast<double>(count_)); }
+  double value() const { return std::sqrt(errors_ / values_); }
+
+ private:
+  double errors_ = 0;
+  double values_ = 0;
+  std::size_t count_ = 0;
+};
+
+/// Writes the field "discretization_error" with one error for each name; null where none is known.
+void write_discretization_error(JsonWriter& out, std::initializer_list<std::pair<std::string_view, double>> errors) {
+  out.key("discretization_error");
+  if (std::any_of(errors.begin(), errors.end(), [](const auto& error) { return !std::isfinite(error.second); })) {
+    out.null();
+    return;
+  }
+  out.begin_object();
+  for (const auto& [name, error] : errors) out.field(name, error);
+  out.end_object();
+}
+
+void write_discretization_error(JsonWriter& out, const std::vector<DirectionalResponse>& responses) {
+  RelativeErrors modulus;
+  RelativeErrors poisson;
+  for (const auto& response : responses) {
+    modulus.add(response.youngs_modulus_error, response.youngs_modulus);
+    poisson.add(response.poisson_ratio_error, response.poisson_ratio);
+  }
+  write_discretization_error(out, {{"youngs_modulus", modulus.value()}, {"poisson_ratio", poisson.absolute()}});
+}
+
+void write_discretization_error(JsonWriter& out, const std::vector<CellState>& states) {
+  RelativeErrors stress;
+  RelativeErrors energy;
+  for (const auto& state : states) {
+    stress.add(state.stress_error, state.cauchy_stress.norm());
+    energy.add(state.energy_error, state.energy_density);
+  }
+  write_discretization_error(out, {{"stress", stress.value()}, {"energy", energy.value()}});
+}
+
+void write_discretization_error(JsonWriter& out, const std::vector<weave::SheetState>& states) {
+  RelativeErrors reactions;
+  RelativeErrors energy;
+  for (const auto& state : states) {
+    double largest = 0;
+    for (const auto& reaction : state.reactions) largest = std::max(largest, reaction.norm());
+    reactions.add(state.reaction_error, largest);
+    energy.add(state.energy_error, state.energy);
+  }
+  write_discretization_error(out, {{"reactions", reactions.value()}, {"energy", energy.value()}});
+}
+
 template <class Entry>
 void write_cell_accuracy(JsonWriter& out, const weave::EquilibriumOptions& options, const std::vector<Entry>& entries) {
   LargestResidual residual;
@@ -184,6 +252,7 @@ void write_cell_accuracy(JsonWriter& out, const weave::EquilibriumOptions& optio
     limit_error.add(state_in(entry).limit_error, 1);
   }
   write_accuracy(out, options, residual, limit_error);
+  write_discretization_error(out, entries);
   out.end_object();
 }
 
@@ -210,6 +279,8 @@ void write_sheet_state(JsonWriter& out, DeformedStrands deformed, const Weave& w
   out.field("stopped", weave::to_string(state.stopped));
   write_number_or_null(out, "residual", state.residual);
   write_number_or_null(out, "limit_error", state.limit_error);
+  write_number_or_null(out, "energy_error", state.energy_error);
+  write_number_or_null(out, "reaction_error", state.reaction_error);
   out.field("iterations", state.iterations).field("load_steps", state.load_steps).field("branches", state.branches);
   write_deformed(out, deformed, weave, state);
   out.end_object();
@@ -274,6 +345,9 @@ std::string write_weave_deformation(const WeaveDeformationRequest& request, cons
   JsonWriter out;
   out.begin_object();
   write_cell_states(out, states);
+  const auto number_or_null = [&](double value) { std::isfinite(value) ? out.number(value) : out.null(); };
+  write_each(out, "cauchy_stress_error", states, [&](const auto& state) { number_or_null(state.stress_error); });
+  write_each(out, "energy_density_error", states, [&](const auto& state) { number_or_null(state.energy_error); });
   out.field("message", message_about(states, "deformation gradients", "were not reached", request.options));
   write_sliders(out, weave);
   write_cells(out, "state", request.deformed, weave, states);
@@ -310,6 +384,7 @@ std::string write_weave_simulation(const WeaveSimulationRequest& request, const 
     limit_error.add(state.limit_error, 1);
   }
   write_accuracy(out, request.options, residual, limit_error);
+  write_discretization_error(out, result.states);
   out.field("unknowns", result.unknowns).end_object();
   write_bill(out, bill);
   out.end_object();

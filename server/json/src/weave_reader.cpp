@@ -320,6 +320,7 @@ WeaveSpec read_weave(Fields& fields, const Limits& limits) {
 }
 
 void read_equilibrium_options(Fields& fields, weave::EquilibriumOptions& options) {
+  options.error_estimate = Switch::automatic;
   nested(fields, "accuracy", [&](Fields& accuracy) {
     accuracy.integer("segments", options.segments, 1, 64);
     accuracy.number("tolerance", options.tolerance, 1e-12, 0.1);
@@ -340,6 +341,7 @@ void read_equilibrium_options(Fields& fields, weave::EquilibriumOptions& options
   nested(fields, "effects", [&](Fields& effects) {
     effects.choice("out_of_plane", options.out_of_plane, switch_names);
     effects.choice("buckling", options.buckling, switch_names);
+    effects.choice("error_estimate", options.error_estimate, switch_names);
   });
 }
 

@@ -10,6 +10,9 @@ namespace {
 constexpr unsigned char contract[] = {
 #include "openapi_bytes.inc"
 };
+constexpr unsigned char accuracy_levels[] = {
+#include "accuracy_levels_bytes.inc"
+};
 
 double uptime(const Services& services) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - services.started).count();
@@ -109,6 +112,10 @@ http::Response contract_text() {
   return response;
 }
 
+http::Response accuracy_table() {
+  return json_response(std::string(reinterpret_cast<const char*>(accuracy_levels), sizeof accuracy_levels));
+}
+
 }  // namespace
 
 void add_service_routes(http::Router& router, Services& services) {
@@ -128,6 +135,10 @@ void add_service_routes(http::Router& router, Services& services) {
               .handler = [](const http::Request&) { return contract_text(); },
               .body = {},
               .needs_no_key = true});
+  router.add({.method = "GET",
+              .pattern = "/v1/accuracy-levels",
+              .handler = [](const http::Request&) { return accuracy_table(); },
+              .body = {}});
 }
 
 }  // namespace supple::routes

@@ -501,5 +501,46 @@ TEST(Homogenize, BringsSlidersThatAreStoppedToTheirLimitsWhateverTheBarriers) {
   EXPECT_NEAR(usual[0].youngs_modulus, 294.29, 0.03);
 }
 
+TEST(ErrorEstimate, IsTheDifferenceToHalfAsManySegmentsAndIsBilled) {
+  HomogenizationOptions options;
+  options.directions = {0.3, 1.1};
+  options.equilibrium.segments = 8;
+  options.equilibrium.error_estimate = Switch::automatic;
+  CostLedger ledger;
+  const Weave weave = regular_weave(uniform_block(Connection::fused));
+  const auto fine = homogenize(weave, options, {.cost = &ledger});
+  options.equilibrium.segments = 4;
+  options.equilibrium.error_estimate = Switch::off;
+  const auto coarse = homogenize(weave, options);
+  for (std::size_t i = 0; i < fine.size(); ++i) {
+    const double difference = std::abs(fine[i].youngs_modulus - coarse[i].youngs_modulus);
+    EXPECT_NEAR(fine[i].youngs_modulus_error, difference, 1e-3 * difference) << i;
+    EXPECT_TRUE(std::isnan(coarse[i].youngs_modulus_error)) << i;
+  }
+  const auto effect = std::find_if(ledger.effects().begin(), ledger.effects().end(),
+                                   [](const auto& e) { return e.name == "error_estimate"; });
+  ASSERT_NE(effect, ledger.effects().end());
+  EXPECT_TRUE(effect->ran);
+  EXPECT_EQ(effect->count, 2);
+}
+
+TEST(ErrorEstimate, OfManyDirectionsComparesSomeAndCoversAll) {
+  HomogenizationOptions options;
+  options.directions = directions_over_half_turn(100);
+  options.equilibrium.error_estimate = Switch::automatic;
+  CostLedger ledger;
+  const auto responses = homogenize(interlacing_squares(SquareType::all_fused), options, {.cost = &ledger});
+  for (const DirectionalResponse& response : responses) {
+    EXPECT_GT(response.youngs_modulus_error, 0) << response.direction;
+    EXPECT_LT(response.youngs_modulus_error, 0.4 * response.youngs_modulus) << response.direction;
+    EXPECT_GT(response.poisson_ratio_error, 0) << response.direction;
+  }
+  for (const auto& effect : ledger.effects()) {
+    if (effect.name == "error_estimate") {
+      EXPECT_EQ(effect.count, 24);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace supple::weave

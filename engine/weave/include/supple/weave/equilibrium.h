@@ -23,6 +23,8 @@ struct EquilibriumOptions {
   /// The number of pieces of rod between neighbouring crossings. Errors fall with the square of this number. The shear
   /// stiffness of a fused weave of straight strands is 33 % too low with 2 pieces, 11 % with 4, and 3 % with 8.
   int segments = 4;
+  /// Maximum turn of a curved strand within one of these pieces, rad, for which it gets more of them.
+  double max_segment_turn = 0.6;
   /// An equilibrium is reached if |g| <= tolerance * EI / l^2 (N), or if |g| is at most its own rounding error. Here g
   /// is the gradient of the energy with respect to all unknowns (N, N mm), EI belongs to the weakest strand, and l is
   /// the mean length of rod between crossings.
@@ -54,6 +56,10 @@ struct EquilibriumOptions {
   /// Stiffness against every sliding displacement, N/mm. The default is 7e-11 times Young's modulus times the mean
   /// length of rod between crossings.
   std::optional<double> sliding_regularization{};
+  /// Whether states are computed once more with half as many segments, to estimate the error that the rods' resolution
+  /// makes. automatic does so for at most 24 directions or deformation gradients, evenly spread, and for no sheet. on
+  /// does so for all, off for none.
+  Switch error_estimate = Switch::off;
 };
 
 /// Throws "weave.invalid_option" with a detail for each option out of range.

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -51,7 +52,11 @@ struct SheetState {
   double residual = 0;     ///< |g|, N; at most `tolerance` if it converged
   double tolerance = 0;    ///< N
   double limit_error = 0;  ///< see CellState::limit_error
-  int iterations = 0;      ///< Newton iterations since the previous state
+  /// Estimates of the errors of `energy` (N mm) and of each of `reactions` (N) because of the rods' resolution and
+  /// sliders short of their limits; NaN if they were not estimated.
+  double energy_error = std::numeric_limits<double>::quiet_NaN();
+  double reaction_error = std::numeric_limits<double>::quiet_NaN();
+  int iterations = 0;  ///< Newton iterations since the previous state
   int load_steps = 0;
   int branches = 0;  ///< unstable equilibria that were left since the previous state
 };

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+#include "supple/base/cost_ledger.h"
+#include "supple/weave/homogenization.h"
+
+namespace supple::weave {
+
+/// Options with which directions are followed once more, to see what the rods' resolution changes.
+struct OtherResolution {
+  EquilibriumOptions equilibrium;
+  /// Ratio of the estimated error to the difference between both resolutions. With 4 segments or more the other
+  /// resolution has half as many, and the difference is 1.05 to 3 times the error, which falls with the first power of
+  /// the number of segments at worst and with its square at last.
+  double factor = 1;
+};
+/// The other resolution has half as many segments. One segment cannot be halved and is compared with two.
+OtherResolution other_resolution(const EquilibriumOptions& options);
+
+/// The indices of the responses that are followed once more (`compared_positions`), ordered by their angles over half
+/// a turn.
+std::vector<std::size_t> compared_directions(const std::vector<DirectionalResponse>& responses, Switch error_estimate);
+
+/// Sets the errors of all responses. `compared` has the responses of the other resolution for the indices `at`, which
+/// are those of `compared_directions`. A direction between two of them takes the larger of their errors, absolute or
+/// relative. Each error includes what the tolerance and sliders short of their limits leave. `area` is that of the cell
+/// at rest, mm^2.
+void set_errors(const std::vector<std::size_t>& at, const std::vector<DirectionalResponse>& compared, double factor,
+                double area, const HomogenizationOptions& options, std::vector<DirectionalResponse>& responses);
+
+/// The positions of the entries that are computed once more: all where the switch is on, and at most 24, evenly spread,
+/// where it is automatic.
+std::vector<std::size_t> compared_positions(std::size_t total, Switch error_estimate);
+
+/// Sets the errors of the states at these indices, from the states `compared` of the other resolution.
+void set_errors(const std::vector<std::size_t>& at, const std::vector<CellState>& compared, double factor,
+                std::vector<CellState>& states);
+
+/// What the effect "error_estimate" did, for the bill: `count` of `total` entries were computed once more.
+struct EstimateCost {
+  std::size_t count = 0;
+  std::size_t total = 0;
+  std::string_view entries;  ///< their name in the plural
+  int segments = 0;          ///< of the other resolution
+  double seconds = 0;
+};
+void bill(const EstimateCost& estimate, CostLedger* cost);
+/// Bills that the effect did not run, since it is off, or automatic for a sheet.
+void bill_no_estimate(Switch error_estimate, CostLedger* cost);
+
+}  // namespace supple::weave
