@@ -9,23 +9,7 @@ import { h, replace } from "./base/dom";
 import { seconds } from "./base/format";
 import { menu } from "./base/menu";
 import { table } from "./base/tables";
-
-const ENDPOINT_WORDS: Readonly<Record<string, string>> = {
-  "/v1/designs": "Search for a design",
-  "/v1/profiles": "Profile of a design",
-  "/v1/simulations": "Simulation of the structure",
-  "/v1/weave-layouts": "Layout of the weave",
-  "/v1/weave-homogenizations": "Stiffness of the cell",
-  "/v1/weave-simulations": "Sheet under load",
-  "/v1/weave-toolpaths": "Path of the printer",
-  "/v1/geodesics": "Shortest paths",
-  "/v1/geodesic-fields": "Distance field",
-  "/v1/karcher-means": "Mean of the points",
-  "/v1/networks": "Network on the surface",
-  "/v1/embedded-systems": "Relaxation",
-  "/v1/voronoi-diagrams": "Voronoi diagram",
-  "/v1/voronoi-optimizations": "Optimization of the sites",
-};
+import { endpointWords } from "./jobs/job_words";
 
 export class BillMenu {
   readonly element: HTMLDetailsElement;
@@ -67,7 +51,7 @@ export class BillMenu {
 }
 
 function nameOf({ path }: Bill): string {
-  return ENDPOINT_WORDS[path] ?? path.replace("/v1/", "").replace(/-/g, " ");
+  return endpointWords(path);
 }
 
 function section(bill: Bill, open: boolean): HTMLElement {

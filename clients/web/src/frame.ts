@@ -21,8 +21,8 @@ export interface Frame {
   select(entry: PageEntry): void;
 }
 
-/** `account` shows the key that is signed in, `bill` the last computations of the visible page. */
-export function frame(connection: Connection, account: HTMLElement, bill: HTMLElement): Frame {
+/** `account` shows the key that is signed in, `bill` the last computations of the visible page, `tray` the jobs. */
+export function frame(connection: Connection, account: HTMLElement, bill: HTMLElement, tray: HTMLElement): Frame {
   const main = h("main", { id: "main", tabindex: -1 });
   const links = PAGES.map((page) => h("a", { href: `#/${page.id}` }, page.title));
   const switcher = button("", nextTheme, { kind: "quiet", title: "Colours" });
@@ -51,7 +51,7 @@ export function frame(connection: Connection, account: HTMLElement, bill: HTMLEl
     { class: "frame" },
     skip,
     h("header", {}, h("a", { class: "brand", href: "#/design" }, h("img", { src: "./favicon.svg", alt: "", width: 28, height: 28 }), h("span", { class: "brand-name" }, "Supple")),
-      h("nav", { "aria-label": "Pages" }, ...links), bill, helpMenu(), account, switcher),
+      h("nav", { "aria-label": "Pages" }, ...links), tray, bill, helpMenu(), account, switcher),
     lost,
     main,
   );

@@ -1,5 +1,6 @@
 // The help of every page: terms of the field with their definitions, the keys, and where to read on.
 import { h } from "./base/dom";
+import { menuBelow } from "./base/menu";
 import { TERMS } from "./base/terms";
 
 /** Keys and gestures that all pages have. */
@@ -12,18 +13,10 @@ const HANDS: readonly (readonly [what: string, does: string])[] = [
 
 export function helpMenu(): HTMLElement {
   const list = (entries: readonly (readonly [string, string])[]) => h("dl", { class: "help-list" }, ...entries.flatMap(([term, words]) => [h("dt", {}, term), h("dd", {}, words)]));
-  const element = h("details", { class: "menu help" }, h("summary", { class: "button quiet", title: "Help", "aria-label": "Help" }, "?"),
-    h("div", { class: "menu-body" }, h("h3", {}, "What hands do"), list(HANDS), h("h3", {}, "What words mean"),
-      list(Object.values(TERMS).map(({ name, definition }) => [name, definition] as const)), h("h3", {}, "Read on"),
-      h("p", {}, "The manual is the folder docs of Supple: designs, parts, weaves, networks, Voronoi diagrams. "),
-      h("p", {}, h("a", { href: "./openapi.yaml", target: "_blank", rel: "noopener" }, "The interface for scripts"))));
-  element.addEventListener("keydown", (event) => {
-    if (event.key !== "Escape" || !element.open) return;
-    element.open = false;
-    element.querySelector("summary")?.focus();
-  });
-  document.addEventListener("pointerdown", (event) => {
-    if (element.open && !element.contains(event.target as Node)) element.open = false;
-  });
+  const element = menuBelow(h("summary", { class: "button quiet", title: "Help", "aria-label": "Help" }, "?"), h("h3", {}, "What hands do"), list(HANDS),
+    h("h3", {}, "What words mean"), list(Object.values(TERMS).map(({ name, definition }) => [name, definition] as const)), h("h3", {}, "Read on"),
+    h("p", {}, "The manual is the folder docs of Supple: designs, parts, weaves, networks, Voronoi diagrams. "),
+    h("p", {}, h("a", { href: "./openapi.yaml", target: "_blank", rel: "noopener" }, "The interface for scripts")));
+  element.classList.add("help");
   return element;
 }

@@ -17,6 +17,11 @@ export interface Page {
   /** Called when the page becomes visible, with the text of its link. */
   open(text: string): void | Promise<void>;
   close(): void;
+  /**
+   * Shows the result of a job that was begun under the present link, or goes on with it: requests what the job computes, which is then not
+   * computed again. `path`: that of the job's request, `text`: the link.
+   */
+  resume?(path: string, text: string): void | Promise<void>;
   /** Called when the server answers again after a lost connection. */
   reconnected(): void;
 }

@@ -84,6 +84,13 @@ describe("what a page shows of a refusal", () => {
     expect(problemWords(problem("bed: reaches from 0 to 1.0000 mm", "/printer/bed"))).toBe("The bed reaches from 0 to 1 mm");
   });
 
+  it("keeps names in quotation marks, which somebody has given", () => {
+    expect(inWords('The material "soft_tpu/85" and the region “left/2 heel_pad” have no cell_size.')).toBe(
+      'The material "soft_tpu/85" and the region “left/2 heel_pad” have no size of the cell.',
+    );
+    expect(inWords('It is "a b". cell_size/3 is missing')).toBe(inWords("It is x. cell_size/3 is missing").replace("x.", '"a b".'));
+  });
+
   it("keeps units, kinds of files and settings of the server", () => {
     const kept = "At most 3000 mm/min and 2 N/mm; start the server with a higher --max-body and send application/json.";
     expect(inWords(kept)).toBe(kept);

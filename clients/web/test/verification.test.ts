@@ -204,7 +204,7 @@ describe("a verification in the background", () => {
     expect(jobs).toHaveLength(1);
     expect(jobs[0].request).toMatchObject({ verify: true, priority: "background", fixed: [0.7], effects: { ways_out: "off" } });
     jobs[0].document = { state: "running", progress: 0.4, remaining_seconds: 12 };
-    await pass(500);
+    await pass(1000);
     expect(page.verification.state.get()).toMatchObject({ kind: "running", isBackground: true, progress: 0.4, remaining: 12 });
     finish(jobs[0], design(10.3, 14.5));
     await pass(1000);
@@ -307,11 +307,24 @@ describe("a verification in the background", () => {
     expect([jobs.length, verification.state.get().kind]).toEqual([1, "done"]);
   });
 
-  it("goes on for the user who asks for it meanwhile", async () => {
+  it("begins anew with the user's priority if the user asks for it meanwhile", async () => {
     const { verification } = await opened();
     await pass(REST_MS + 100);
+    void verification.verify();
+    await pass(10);
+    expect(dismissed).toEqual(["job-1"]);
+    expect(jobs).toHaveLength(2);
+    expect(jobs[1].request).not.toHaveProperty("priority");
+    expect(verification.state.get()).toMatchObject({ kind: "running", isBackground: false });
+  });
+
+  it("goes on for the user who asks for it when most of it is done", async () => {
+    const { verification } = await opened();
+    await pass(REST_MS + 100);
+    jobs[0].document = { state: "running", progress: 0.6 };
+    await pass(1000);
     await verification.verify();
-    expect(jobs).toHaveLength(1);
+    expect([jobs.length, dismissed]).toEqual([1, []]);
     expect(verification.state.get()).toMatchObject({ kind: "running", isBackground: false });
   });
 });
@@ -523,6 +536,24 @@ describe("a polish", () => {
     verification.cancel();
     expect(session.state.get()).toMatchObject({ byHand: true, found: { parameters: [0.6] } });
     expect(verification.rounds.list.get()).toEqual([]);
+  });
+
+  it("counts its rounds on after a reload", async () => {
+    const first = await opened();
+    first.background.switch(false);
+    void first.verification.polish();
+    await pass(10);
+    for (const [value, error] of [[0.7, 0.45], [0.6, 0.2]] as const) {
+      jobs[0].document = { state: "running", progress: 0.5, partial: round(value, error, true) };
+      await pass(500);
+    }
+    const again = await opened();
+    await pass(500);
+    jobs[0].document = { state: "running", progress: 0.7, partial: round(0.5, 0.3, false) };
+    await pass(500);
+    expect(again.verification.rounds.list.get()).toMatchObject([{ number: 1, deviation: 0.45 }, { number: 2, isBest: true }, { number: 3, deviation: 0.3 }]);
+    again.verification.cancel();
+    expect(again.session.state.get()).toMatchObject({ found: { parameters: [0.6] } });
   });
 });
 

@@ -35,8 +35,10 @@ describe("the change of a way out", () => {
     expect(changeOf(way({ change: "turn_and_modulus" }), state).made).toEqual({ ...DEFAULT_SPECIFICATION, youngsModulus: 31.42, orientation: 82 });
     const made: Specification = { ...DEFAULT_SPECIFICATION, materials: [{ name: "TPU", youngsModulus: 26, density: 1.2 }, { name: "PLA", youngsModulus: 2500, density: 1.24 }] };
     const listed = changeOf(way({ change: "modulus" }), { ...state, made, found: { family: "IH21", parameters: [0.1, 0.7], material: "PLA" } });
-    expect(listed.made?.materials).toEqual([{ name: "PLA", youngsModulus: 31.42, density: 1.24 }]);
-    expect(listed.found).toMatchObject({ material: "PLA" });
+    expect(listed.made?.materials).toEqual([{ name: "Material of 31.42 MPa", youngsModulus: 31.42, density: 1.24 }]);
+    expect(listed.found).toMatchObject({ material: "Material of 31.42 MPa" });
+    const turned = changeOf(way({}), { ...state, made, found: { family: "IH21", parameters: [0.1, 0.7], material: "PLA" } });
+    expect([turned.made?.materials, turned.found?.material]).toEqual([made.materials, "PLA"]);
   });
 
   it("takes another family, whose parameters are free", () => {

@@ -25,6 +25,7 @@ const PATHS = {
   clock: "M10 3a7 7 0 1 0 0 14 7 7 0 0 0 0-14ZM10 6v4l3 2",
   pencil: "M4 16l1-4L14 3l3 3-9 9-4 1ZM12 5l3 3",
   printer: "M3 3h14M6 3v3l2 3h4l2-3V3M10 9v3M3 17h14M5 14.5h10",
+  list: "M7 5h10M7 10h10M7 15h10M3 5h.5M3 10h.5M3 15h.5",
   copy: "M7 7h9v9H7ZM4 13V4h9",
   target: "M3 15c4 0 4-9 7-9s3 6 7 4",
 } as const;

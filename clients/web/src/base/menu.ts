@@ -3,11 +3,16 @@ import { icon, type IconName } from "./icons";
 
 /** A menu that opens below its button. Escape and a press elsewhere close it. */
 export function menu(words: string, picture: IconName, ...groups: HTMLElement[]): HTMLDetailsElement {
-  const element = h("details", { class: "menu" }, h("summary", { class: "button" }, icon(picture), h("span", {}, words)), h("div", { class: "menu-body" }, ...groups));
+  return menuBelow(h("summary", { class: "button" }, icon(picture), h("span", {}, words)), ...groups);
+}
+
+/** The same with a button of one's own. */
+export function menuBelow(summary: HTMLElement, ...groups: readonly HTMLElement[]): HTMLDetailsElement {
+  const element = h("details", { class: "menu" }, summary, h("div", { class: "menu-body" }, ...groups));
   element.addEventListener("keydown", (event) => {
     if (event.key !== "Escape" || !element.open) return;
     element.open = false;
-    element.querySelector("summary")?.focus();
+    summary.focus();
   });
   document.addEventListener("pointerdown", (event) => {
     if (element.open && !element.contains(event.target as Node)) element.open = false;

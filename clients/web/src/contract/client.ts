@@ -1,4 +1,5 @@
 // Requests to the server. Every failure is one of two errors: Problem, which the server describes, or ConnectionLost.
+import type { JobAccount } from "./jobs";
 import { problemWords } from "./refusals";
 import type { ProblemDocument } from "./types";
 
@@ -34,6 +35,11 @@ export function isUnauthorized(error: unknown): boolean {
 /** The status of a refusal; null for an error of another kind. */
 export function statusOf(error: unknown): number | null {
   return error instanceof Problem ? error.document.status : null;
+}
+
+/** Whether a computation has ended since its job was cancelled, for example in the tray of jobs. */
+export function isDismissed(error: unknown): boolean {
+  return error instanceof Problem && error.code === "job.dismissed";
 }
 
 /** Whether the server did not answer or was too busy, so that the same request may succeed later. */
@@ -77,6 +83,8 @@ export class Client {
     private readonly signIn?: () => Promise<void>,
     /** Called with each answer of a computation, its path and its request. */
     readonly onAnswer: (path: string, answer: unknown, request: unknown) => void = () => {},
+    /** Keeps account of the jobs of its page. */
+    readonly jobs: JobAccount | null = null,
   ) {}
 
   /** The response to a request that succeeded. Throws Problem or ConnectionLost otherwise. */
@@ -126,7 +134,7 @@ export class Client {
 
   /** The same client, whose answers are not reported: for what a page asks without being told to. */
   unreported(): Client {
-    return new Client(this.base, this.listener, this.signIn);
+    return new Client(this.base, this.listener, this.signIn, undefined, this.jobs);
   }
 
   url(path: string): string {

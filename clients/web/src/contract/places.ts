@@ -191,11 +191,19 @@ export function inWords(sentence: string): string {
   return capitalized(rewritten(sentence));
 }
 
-/** The same for a part of a sentence. */
+/** What is quoted is a name that somebody has given, or a text of theirs. */
+const QUOTED = /("[^"]*"|“[^”]*”)/;
+
+/** The same for a part of a sentence. Names in quotation marks stay as they are. */
 export function rewritten(text: string): string {
+  return text.split(QUOTED).map((part, k, parts) => (k % 2 === 1 ? part : unquotedInWords(part, parts.slice(0, k).join("")))).join("");
+}
+
+/** `before`: the text that precedes the part. */
+function unquotedInWords(text: string, before: string): string {
   return text.replace(/\brepair=([a-z_]+)/g, (_, name: string) => `the repair “${name.replace(/_/g, " ")}”`)
     .replace(API_PATH, "the server")
-    .replace(PATH, (path: string, at: number, whole: string) => pathWords(path, whole, at))
+    .replace(PATH, (path: string, at: number, whole: string) => pathWords(path, before + whole, before.length + at))
     .replace(/(unit of (?:strain|stress)): (?=must\b)/g, "$1 ")
     .replace(FIELD_NAME, fieldWords)
     .replace(/(\d\.\d*?)0+(?= mm\b)/g, (_, digits: string) => digits.replace(/\.$/, ""));

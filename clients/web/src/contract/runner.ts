@@ -1,7 +1,7 @@
 // Runs the computations of one part of a page, one at a time: requests, jobs and their partial results, what is told meanwhile, cancellation, and
 // what has to be repeated once the server answers again.
 import { Observable } from "../base/observable";
-import { type Client, ConnectionLost, explain, isAbort } from "./client";
+import { type Client, ConnectionLost, explain, isAbort, isDismissed } from "./client";
 import { followJob, runJob } from "./jobs";
 import type { Job } from "./types";
 
@@ -23,6 +23,8 @@ export interface JobSettings {
   readonly wait?: number;
   /** Called with each state of the job, which may have a partial result. */
   readonly onJob?: (job: Job) => void;
+  /** Whether nobody waits for the job; by default if its request has the priority `background`. */
+  readonly isBackground?: () => boolean;
 }
 
 /** A task that is running. Once it was cancelled, each of its requests throws, so that nothing of it is shown. */
@@ -43,19 +45,19 @@ export class Run<Work extends object> {
   }
 
   /** The answer of a computation of any duration. */
-  job<Answer>(path: string, request: unknown, { wait, onJob }: JobSettings = {}): Promise<Answer> {
+  job<Answer>(path: string, request: unknown, { wait, onJob, isBackground }: JobSettings = {}): Promise<Answer> {
     const onProgress = (job: Job): void => {
       if (!this.isCancelled) onJob?.(job);
     };
-    return this.unlessCancelled(runJob<Answer>(this.client, path, request, { signal: this.signal, wait, onProgress }));
+    return this.unlessCancelled(runJob<Answer>(this.client, path, request, { signal: this.signal, wait, onProgress, isBackground }));
   }
 
   /** The answer of a job that was started before. `path`, `request`: those that started it. */
-  startedJob<Answer>(id: string, path: string, request: unknown, { onJob }: JobSettings = {}): Promise<Answer> {
+  startedJob<Answer>(id: string, path: string, request: unknown, { onJob, isBackground }: JobSettings = {}): Promise<Answer> {
     const onProgress = (job: Job): void => {
       if (!this.isCancelled) onJob?.(job);
     };
-    return this.unlessCancelled(followJob<Answer>(this.client, { id }, path, request, { signal: this.signal, onProgress }));
+    return this.unlessCancelled(followJob<Answer>(this.client, { id }, path, request, { signal: this.signal, onProgress, isBackground }));
   }
 
   /** The answer of a computation that is no job. */
@@ -138,8 +140,8 @@ export class JobRunner<Work extends object = WorkInWords> {
     this.activity.set({ kind: "idle" });
   }
 
-  /** Tells an error. */
-  readonly tellFailure = (error: unknown): void => this.activity.set({ kind: "failed", sentence: explain(error), error });
+  /** Tells an error. A job that was dismissed elsewhere, for example in the tray of jobs, counts as cancelled. */
+  readonly tellFailure = (error: unknown): void => this.activity.set(isDismissed(error) ? { kind: "stopped" } : { kind: "failed", sentence: explain(error), error });
 
   /** Tells an error, but for a lost connection: the page's frame reports that, and the page repeats the task when the server answers again. */
   readonly tellFault = (error: unknown): void => {
@@ -157,7 +159,7 @@ export class JobRunner<Work extends object = WorkInWords> {
       this.activity.set({ kind: "idle" });
     } catch (error) {
       if (!controller.signal.aborted && !isAbort(error)) {
-        this.hasFailed = true;
+        this.hasFailed = !isDismissed(error);
         failed(error);
       }
     }

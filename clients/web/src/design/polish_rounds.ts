@@ -6,7 +6,8 @@ import type { DesignSession } from "./session";
 import { isRange, searchesModulus } from "./specification";
 import { type DesignState, sameProfile, type TilingDesign } from "./state";
 
-type AnsweredRound = Polish["rounds"][number];
+/** A round as events of the job tell it, with its family. */
+export type AnsweredRound = Polish["rounds"][number] & { readonly family: string };
 
 export interface PolishRound {
   /** From 1. */
@@ -25,18 +26,27 @@ export class PolishRounds {
   private asked: DesignState | null = null;
   private found: (TilingDesign & { readonly round: number }) | null = null;
   private lastKey = "";
+  private all: readonly AnsweredRound[] = [];
 
   constructor(private readonly session: DesignSession) {}
 
-  begin(asked: DesignState): void {
+  /** The rounds so far, as they were told. */
+  get answered(): readonly AnsweredRound[] {
+    return this.all;
+  }
+
+  /** `before`: the rounds that were seen before the page was left. */
+  begin(asked: DesignState, before: readonly AnsweredRound[] = []): void {
     this.clear();
     this.asked = asked;
+    for (const round of before) this.add(round, round.family);
   }
 
   clear(): void {
     this.asked = null;
     this.found = null;
     this.lastKey = "";
+    this.all = [];
     this.list.set([]);
   }
 
@@ -48,11 +58,12 @@ export class PolishRounds {
   }
 
   /** Adds a round that was reported by an event of the job. Several events may report the same one. */
-  add(round: AnsweredRound, family: string): void {
+  add(round: Polish["rounds"][number], family: string): void {
     const { asked } = this;
     const key = round.parameters.join();
     if (!asked || key === this.lastKey) return;
     this.lastKey = key;
+    this.all = [...this.all, { ...round, family }];
     const number = this.list.get().length + 1;
     const found = { ...asked.found, family, parameters: round.parameters, ...(isRange(asked.made.orientation) && { orientation: round.orientation }) };
     if (round.accepted) this.found = { ...found, round: number };

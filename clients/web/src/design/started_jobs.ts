@@ -1,5 +1,6 @@
 // The jobs of verifications that run on the server. They are stored, so that a page that was left and opened again finds them.
 import { plain } from "../base/format";
+import type { AnsweredRound } from "./polish_rounds";
 import { sameSimulatedDesign, type SimulatedDesign } from "./simulations";
 import { isPolar, type Target } from "./state";
 
@@ -19,6 +20,8 @@ export interface StartedJob {
   readonly targets: string;
   /** Indices of the targets in the order of the request, which is that of the answer. */
   readonly order: readonly number[];
+  /** The rounds of a polish that a page has seen; absent if it has seen none. */
+  readonly rounds?: readonly AnsweredRound[];
 }
 
 /** A text that is the same for equal targets, also after links have rounded them. */
@@ -34,6 +37,13 @@ export function rememberJob(job: StartedJob): void {
   store([job, ...stored().filter(({ id }) => id !== job.id)]);
 }
 
+/** Stores the rounds of a polish, so that they are counted on after a reload. */
+export function rememberRounds(id: string, rounds: readonly AnsweredRound[]): void {
+  const jobs = stored();
+  const known = jobs.find((job) => job.id === id);
+  if (known && (known.rounds?.length ?? 0) < rounds.length) store(jobs.map((job) => (job.id === id ? { ...job, rounds } : job)));
+}
+
 export function forgetJob(id: string): void {
   store(stored().filter((job) => job.id !== id));
 }
@@ -46,7 +56,7 @@ export function startedJob(design: SimulatedDesign, targets: string): StartedJob
 function stored(): readonly StartedJob[] {
   try {
     const jobs = JSON.parse(localStorage.getItem(KEY) ?? "[]") as readonly StartedJob[];
-    return jobs.filter(({ id, design, order }) => /^[\w-]+$/.test(id) && Array.isArray(design.parameters) && Array.isArray(order));
+    return jobs.filter(({ id, design, order, rounds = [] }) => /^[\w-]+$/.test(id) && [design.parameters, order, rounds].every(Array.isArray));
   } catch {
     return []; // storage is blocked, or the text is of another version
   }

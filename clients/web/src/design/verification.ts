@@ -5,6 +5,7 @@ import { Observable } from "../base/observable";
 import { type Client, ConnectionLost, explain, isBusy, type Problem, statusOf } from "../contract/client";
 import { type JobSettings, JobRunner, type Run } from "../contract/runner";
 import type { DesignAnswer, Job, Polish, Simulation } from "../contract/types";
+import { writeLink } from "./link";
 import { Pauses } from "./pauses";
 import { PolishRounds } from "./polish_rounds";
 import { patchDirection, patchRequest, polishRequest, verificationRequest } from "./requests";
@@ -12,13 +13,15 @@ import type { DesignSession } from "./session";
 import { designOf, kindOf, type TargetResponse } from "./shown";
 import { sameSimulatedDesign, type SimulatedDesign, simulatedDesign, simulatedTarget, type SimulatedTarget, type SimulationRecord, Simulations } from "./simulations";
 import { sameSpecification } from "./specification";
-import { forgetJob, rememberJob, type SimulationWork, type StartedJob, startedJob, targetsText } from "./started_jobs";
+import { forgetJob, rememberJob, rememberRounds, type SimulationWork, type StartedJob, startedJob, targetsText } from "./started_jobs";
 import type { DesignState } from "./state";
 import { askedOrder, targetsOf } from "./target_list";
 
 export type { SimulatedTarget } from "./simulations";
 
 const PATH = "/v1/designs";
+/** A simulation in the background of which so much is done goes on in its place when the user asks for it. */
+const MIN_PROGRESS_TO_KEEP = 0.5;
 
 export type VerificationState =
   | { readonly kind: "none" }
@@ -77,7 +80,7 @@ export class Verification {
 
   constructor(
     private readonly session: DesignSession,
-    client: Client,
+    private readonly client: Client,
     readonly simulations = new Simulations(),
   ) {
     this.runner = new JobRunner(client);
@@ -105,8 +108,11 @@ export class Verification {
   /** Simulates the shown design, and its deformed patch if somebody has asked for it. */
   async verify({ background = false } = {}): Promise<void> {
     const { subject } = this;
-    // What runs in the background already goes on for the user.
-    if (subject?.work === "verify" && !background) return this.adopt(subject);
+    const state = this.state.get();
+    // What runs in the background already goes on for the user if most of it is done. Otherwise it begins anew with the user's priority, since
+    // others may delay what is in the background for as long as they like.
+    const isMostlyDone = state.kind === "running" && state.progress >= MIN_PROGRESS_TO_KEEP;
+    if (subject?.work === "verify" && !background && (!subject.isBackground || isMostlyDone)) return this.adopt(subject);
     await this.simulate("verify", background);
   }
 
@@ -226,17 +232,17 @@ export class Verification {
   }
 
   /** Follows a job that is known from before. */
-  private goOn(subject: Subject, { id, work, order }: StartedJob): Promise<void> {
-    return this.run({ ...subject, work, order }, (run, settings) => run.startedJob<DesignAnswer>(id, PATH, {}, settings), id);
+  private goOn(subject: Subject, { id, work, order, rounds = [] }: StartedJob): Promise<void> {
+    return this.run({ ...subject, work, order }, (run, settings) => run.startedJob<DesignAnswer>(id, PATH, {}, settings), id, rounds);
   }
 
-  /** Runs a job of the subject. `known`: the id of one that was started before the page was left. */
-  private async run(subject: Subject, answerOf: AnswerOf, known = ""): Promise<void> {
+  /** Runs a job of the subject. `known`: the id of one that was started before the page was left, `rounds`: those of its polish that were seen before. */
+  private async run(subject: Subject, answerOf: AnswerOf, known = "", rounds: StartedJob["rounds"] = []): Promise<void> {
     this.drop();
     this.subject = subject;
     this.jobId = known;
     this.record = null;
-    this.rounds.begin(subject.asked);
+    this.rounds.begin(subject.asked, rounds);
     this.patch.set({ kind: "none" });
     this.state.set({ kind: "running", work: subject.work, isBackground: subject.isBackground, progress: 0, stage: "", remaining: null });
     await this.runner.start(async (run) => {
@@ -263,9 +269,10 @@ export class Verification {
       if (id === "") rememberJob({ id: job.id, work: subject.work, isBackground: subject.isBackground, design: subject.design, targets: subject.targets, order: subject.order });
       this.jobId = id = job.id;
       this.showProgress(job, subject);
+      rememberRounds(id, this.rounds.answered);
     };
     try {
-      const answer = await answerOf(run, { onJob });
+      const answer = await answerOf(run, { onJob, isBackground: () => (this.subject ?? subject).isBackground });
       forgetJob(id);
       return this.accept(answer, subject);
     } catch (error) {
@@ -286,14 +293,13 @@ export class Verification {
     // A job may have been removed meanwhile, or dismissed by another tab, which is no failure of a simulation.
     const isRemoved = known !== "" && statusOf(error) === 404;
     const isGone = isRemoved || (statusOf(error) === 410 && (error as Problem).code === "job.dismissed");
-    if (!isLost && !isGone) this.declined.add(textOf(subject));
+    if ((!isLost && !isGone) || this.client.jobs?.wasCancelled(id)) this.declined.add(textOf(subject));
     this.state.set(isLost || isGone ? { kind: "none" } : { kind: "failed", sentence: explain(error) });
     if (isRemoved && !subject.isBackground) void this.simulate(subject.work, false);
   }
 
-  private showProgress({ progress, stage, partial, ...job }: Job, { work }: Subject): void {
+  private showProgress({ progress, stage, partial, remaining_seconds: remaining = null }: Job, { work }: Subject): void {
     if (partial && "round" in partial) this.rounds.add(partial.round, partial.family);
-    const { remaining_seconds: remaining = null } = job as { remaining_seconds?: number | null };
     this.state.set({ kind: "running", work, isBackground: this.subject?.isBackground ?? false, progress, stage, remaining });
   }
 
@@ -315,7 +321,10 @@ export class Verification {
     const isMoved = subject.work === "polish" && !sameSimulatedDesign(design, subject.design);
     // What the user is changing is not taken out of their hands.
     const isHeld = this.session.edited.isBeingChanged;
-    if (isMoved && !isHeld) this.session.setFound(found);
+    if (isMoved && !isHeld) {
+      this.session.setFound(found);
+      this.client.jobs?.place(this.jobId, writeLink(this.session.state.get()));
+    }
     this.simulations.add(record);
     this.follow();
     return isMoved && isHeld ? null : record;

@@ -148,16 +148,16 @@ function madeOf({ change, orientation, youngs_modulus: modulus }: WayOut, { made
   if (change !== "modulus" && change !== "turn_and_modulus") return turned;
   const youngsModulus = Number(modulus.toPrecision(4));
   if (turned.materials.length === 0) return { ...turned, youngsModulus };
-  // Of a list of materials, the one of the present design gets the modulus.
+  // Of a list of materials, the one of the present design gets the modulus. It is another material then, which has another name.
   const at = Math.max(0, turned.materials.findIndex(({ name }) => name === found?.material));
-  return { ...turned, materials: [{ ...turned.materials[at], youngsModulus }] };
+  return { ...turned, materials: [{ ...turned.materials[at], name: `Material of ${plain(youngsModulus)} MPa`, youngsModulus }] };
 }
 
 /** What the search would have chosen, where the changed specification still leaves it a choice. */
 function foundValues({ orientation, youngs_modulus: modulus }: WayOut, { found }: DesignState, made: Specification): Partial<NonNullable<DesignState["found"]>> {
   const { youngsModulus, materials } = made;
   return {
-    ...(materials.length > 0 && { material: found?.material ?? materials[0].name }),
+    ...(materials.length > 0 && { material: materials.find(({ name }) => name === found?.material)?.name ?? materials[0].name }),
     ...((materials.length > 1 || isRange(materials[0]?.youngsModulus ?? youngsModulus)) && { youngsModulus: modulus }),
     ...(isRange(made.orientation) && { orientation: withinRange(orientation, made) }),
   };

@@ -73,6 +73,11 @@ export function meshPage({ client, link }: PageContext): Page {
     close() {
       document.removeEventListener("keydown", keys);
     },
+    async resume(path, text) {
+      await openLink(sessions, text, true);
+      if (path === "/v1/embedded-systems") await network.relax();
+      if (path === "/v1/voronoi-optimizations" && voronoi.canOptimize) await voronoi.optimize();
+    },
     reconnected() {
       void mesh.list();
       mesh.retry();
@@ -131,10 +136,10 @@ function linkOf({ mesh, network, voronoi, isVoronoiTool }: MeshSessions): string
   });
 }
 
-/** Shows what a link names. Returns false if it names no mesh other than the shown one. */
-async function openLink({ mesh, network, voronoi }: MeshSessions, text: string): Promise<boolean> {
+/** Shows what a link names. Returns false if it names no mesh other than the shown one; `isForced`: whatever it names is shown. */
+async function openLink({ mesh, network, voronoi }: MeshSessions, text: string, isForced = false): Promise<boolean> {
   const linked = readMeshLink(text);
-  if (!linked || linked.mesh === mesh.mesh.get()?.info.id) return false;
+  if (!linked || (!isForced && linked.mesh === mesh.mesh.get()?.info.id)) return false;
   mesh.setTool(linked.tool);
   mesh.setStarts(linked.starts ?? 1);
   await mesh.open(linked.mesh, linked.tool === "voronoi" ? [] : linked.points);

@@ -84,6 +84,10 @@ export function weavePage({ client, link }: PageContext): Page {
       address.close();
       if (dialog.element.open) dialog.element.close();
     },
+    resume(path) {
+      if (path === "/v1/weave-simulations") return sheet.run();
+      if (path === "/v1/weave-toolpaths") dialog.open();
+    },
     reconnected() {
       if (!started) return;
       print.retry();
