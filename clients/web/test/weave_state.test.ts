@@ -72,7 +72,13 @@ describe("a request", () => {
 
   it("asks for the deformed cell of one direction alone", () => {
     expect(cellRequest(state, 0.5)).toEqual({ ...homogenizationRequest(state, [0.5]), deformed: [0] });
-    expect(homogenizationRequest(state, 24)).toMatchObject({ strain: 0.25, directions: 24, shear: "suppressed", accuracy: { segments: 6 }, effects: { out_of_plane: "off" } });
+    expect(homogenizationRequest({ ...state, accuracy: { level: "own", switches: {} } }, 24)).toMatchObject({
+      strain: 0.25,
+      directions: 24,
+      shear: "suppressed",
+      accuracy: { segments: 6 },
+      effects: { out_of_plane: "off" },
+    });
   });
 
   it("has no strain of 0, and no profile where nothing repeats", () => {

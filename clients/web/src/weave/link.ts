@@ -1,4 +1,5 @@
 // The state as the text of a link: readable, and checked when it is read, since links come from anywhere.
+import { type AccuracyChoice, readChoice, writeChoice } from "../base/accuracy_choice";
 import { plain } from "../base/format";
 import { choiceOf, type Fields, type Marks, numberOf, readFields, readValues, wholeOf, writeFields, writeValues } from "../base/link_fields";
 import type { CrossingOverride } from "../contract/types";
@@ -26,7 +27,8 @@ export function writeLink(state: WeaveState): string {
   for (const name of [...pattern.lengths, "radius"] as const) fields.push([name, plain(state.lengths[name])]);
   fields.push(["modulus", plain(state.youngsModulus)], ["strain", plain(state.strain)]);
   if (state.shear === "suppressed") fields.push(["shear", "suppressed"]);
-  if (state.space === "off") fields.push(["space", "off"]);
+  if (state.space !== "automatic") fields.push(["space", state.space]);
+  fields.push(...writeChoice(state.accuracy, usualLevel(state.segments)));
   fields.push(["segments", String(state.segments)], ["sheet", writeValues({ columns, rows, load, amount })]);
   if (state.overrides.length > 0) fields.push(["crossings", state.overrides.map(overrideText).join(";")]);
   if (state.pattern === "layout") fields.push(["layout", encodeURIComponent(JSON.stringify(state.layout))]);
@@ -42,6 +44,7 @@ export function readLink(text: string): WeaveState | null {
   const overrides = readOverrides(fields.get("crossings") ?? "");
   if (!layout || !overrides) return null;
   const types = Math.max(1, PATTERNS[pattern].types.length);
+  const segments = wholeOf(fields.get("segments"), 1, MAX_SEGMENTS, DEFAULT_STATE.segments);
   return {
     pattern,
     type: wholeOf(fields.get("type"), 1, types, 1),
@@ -51,10 +54,16 @@ export function readLink(text: string): WeaveState | null {
     overrides,
     strain: usableStrain(numberOf(fields.get("strain"), -0.5, 2, DEFAULT_STATE.strain)),
     shear: fields.get("shear") === "suppressed" ? "suppressed" : "free",
-    space: fields.get("space") === "off" ? "off" : "automatic",
-    segments: wholeOf(fields.get("segments"), 1, MAX_SEGMENTS, DEFAULT_STATE.segments),
+    space: choiceOf(fields.get("space"), ["on", "off"] as const, "automatic"),
+    accuracy: readChoice(fields, usualLevel(segments)),
+    segments,
     sheet: readSheet(fields.get("sheet") ?? ""),
   };
+}
+
+/** The level of a link that names none, as those of earlier versions: a number of segments of one's own counts. */
+function usualLevel(segments: number): AccuracyChoice["level"] {
+  return segments === DEFAULT_STATE.segments ? "normal" : "own";
 }
 
 /** An override as text: "3:0,1" for crossing 3 whose members 0 and 1 slide, followed by "~backward=0.5~forward=none" if limits are given. */

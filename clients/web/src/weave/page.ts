@@ -1,4 +1,5 @@
 // The weave page: makes its parts and connects them.
+import { rememberedLevel } from "../base/accuracy_choice";
 import { announce } from "../base/announce";
 import { button } from "../base/controls";
 import { h } from "../base/dom";
@@ -74,7 +75,7 @@ export function weavePage({ client, link }: PageContext): Page {
       if (!started) {
         started = true;
         pins.restore();
-        return session.start(readLink(text) ?? DEFAULT_STATE);
+        return session.start(readLink(text) ?? { ...DEFAULT_STATE, accuracy: { ...DEFAULT_STATE.accuracy, level: rememberedLevel("weave") } });
       }
       const linked = address.follow(text);
       if (linked) session.apply(linked);

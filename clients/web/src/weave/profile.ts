@@ -1,7 +1,7 @@
 // Young's modulus and Poisson's ratio over direction, for plots, tables and files.
 import type { Curve } from "../base/curve";
 import { degrees } from "../base/format";
-import type { WeaveHomogenization, WeaveStop } from "../contract/types";
+import type { Effect, WeaveHomogenization, WeaveStop } from "../contract/types";
 
 export interface Profile {
   /** Key of the request without its directions. */
@@ -22,6 +22,12 @@ export interface Profile {
   readonly shortOfLimits: number;
   /** Upper bound of the relative error of energies that this causes; null if it is not known. */
   readonly limitError: number | null;
+  /** Estimated errors, that of Young's modulus relative and that of Poisson's ratio as it is; null where they are not known. */
+  readonly youngsError: readonly (number | null)[];
+  readonly poissonError: readonly (number | null)[];
+  readonly effects: readonly Effect[];
+  /** Requested and reached accuracy, by name. */
+  readonly accuracy: Readonly<Record<string, unknown>>;
   readonly seconds: number;
   /** Whether the profile is a preview with few directions. */
   readonly provisional: boolean;
@@ -34,7 +40,13 @@ export const TERMINATION_WORDS: Record<WeaveStop, string> = {
   folded_flat: "the cell folds flat: no width is left that bears the stress",
 };
 
-export function profileOf(answer: WeaveHomogenization, key: string, provisional: boolean): Profile {
+/** The fields of an answer that estimates its errors. */
+interface EstimatedErrors {
+  readonly youngs_modulus_error?: readonly (number | null)[];
+  readonly poisson_ratio_error?: readonly (number | null)[];
+}
+
+export function profileOf(answer: WeaveHomogenization & EstimatedErrors, key: string, provisional: boolean): Profile {
   const reasons = answer.stopped.map((termination) => (termination === "converged" ? null : TERMINATION_WORDS[termination]));
   return {
     key,
@@ -47,6 +59,10 @@ export function profileOf(answer: WeaveHomogenization, key: string, provisional:
     unstable: answer.stable.filter((stable, k) => !stable && reasons[k] === null).length,
     shortOfLimits: answer.limit_error.filter((error, k) => reasons[k] === null && !(error !== null && error <= answer.accuracy.limit_tolerance)).length,
     limitError: answer.accuracy.limit_error,
+    youngsError: answer.youngs_modulus_error ?? [],
+    poissonError: answer.poisson_ratio_error ?? [],
+    effects: answer.effects,
+    accuracy: answer.accuracy,
     seconds: answer.cost.seconds,
     provisional,
   };
@@ -70,6 +86,12 @@ export function nearestDirection(profile: Profile, angle: number): number {
     if (distance < least) [least, best] = [distance, k];
   });
   return best;
+}
+
+/** The error of Young's modulus over the directions that the answer states; null without one. */
+export function statedError({ accuracy }: Profile): number | null {
+  const found = accuracy.discretization_error as { youngs_modulus?: number | null } | null | undefined;
+  return found?.youngs_modulus ?? null;
 }
 
 /** The smallest and the largest value; null if there are none. */

@@ -1,8 +1,11 @@
 // The card with the polar plots of Young's modulus and Poisson's ratio, the strain, and the state of the computation.
+import { withError } from "../base/accuracy_words";
 import { announce } from "../base/announce";
 import { button, Segments, Slider } from "../base/controls";
 import type { Curve } from "../base/curve";
 import { h, replace, svg } from "../base/dom";
+import { EffectChips } from "../base/effect_chips";
+import { chipsOf, outdated } from "../base/effect_words";
 import { degrees, digits, quantity } from "../base/format";
 import { ProgressRow } from "../base/progress_row";
 import { withTerm } from "../base/terms";
@@ -22,6 +25,7 @@ export class ProfileCard {
   private readonly reading = h("p", { class: "reading" });
   private readonly legend = h("ul", { class: "legend", "aria-label": "Legend" });
   private readonly notes = h("div", { class: "notes" });
+  private readonly chips = new EffectChips("What was computed", (effect, value) => this.session.setEffect(effect, value));
   private readonly status = h("div", { class: "status" });
   private readonly progressRow = new ProgressRow("Progress", () => this.session.cancel());
   private logarithmic = false;
@@ -47,7 +51,7 @@ export class ProfileCard {
       new ResizeObserver(() => this.resize(k)).observe(stage);
     });
     this.element = h("section", { class: "card profile", "aria-label": "Stiffness over direction" }, this.controls(), h("div", { class: "charts" }, ...this.stages), this.reading,
-      h("div", { class: "plot-foot" }, this.legend, this.status), this.notes);
+      this.chips.element, h("div", { class: "plot-foot" }, this.legend, this.status), this.notes);
     for (const part of [session.profile, session.state, deformed.direction, pins.list]) part.watch(() => this.schedule());
     session.activity.watch((activity) => this.showActivity(activity));
     session.fault.watch(() => this.showActivity(session.activity.get()));
@@ -103,6 +107,10 @@ export class ProfileCard {
     this.charts[1].update(view(profile && poissonCurve(profile), "poisson"));
     this.showReading(profile, index);
     this.showLegend(profile);
+    const { space, accuracy } = this.session.state.get();
+    const settings = { buckling: accuracy.switches.buckling ?? "automatic", out_of_plane: space } as const;
+    const chips = chipsOf(profile?.effects ?? [], settings, profile?.accuracy);
+    this.chips.show(stale ? outdated(chips) : chips);
     replace(this.notes, ...notesOf(profile).map((sentence) => h("p", { class: "note" }, sentence)));
   }
 
@@ -110,7 +118,9 @@ export class ProfileCard {
     if (!profile || index === null) return replace(this.reading);
     const [youngs, poisson] = [profile.youngs[index], profile.poisson[index]];
     const value = (number: number | null, unit: string) => h("strong", {}, number === null ? "–" : quantity(number, unit, 4));
-    replace(this.reading, `At ${degrees(profile.directions[index])}: Young’s modulus `, value(youngs, "N/m"), ", Poisson’s ratio ", value(poisson, ""), ".");
+    const told = (error: string) => error !== "" && h("span", { class: "number-error" }, ` ${error}`);
+    replace(this.reading, `At ${degrees(profile.directions[index])}: Young’s modulus `, value(youngs, "N/m"), told(withError("", profile.youngsError[index]).trim()),
+      ", Poisson’s ratio ", value(poisson, ""), told(absoluteError(profile.poissonError[index])), ".");
   }
 
   private showLegend(profile: Profile | null): void {
@@ -151,6 +161,11 @@ export class ProfileCard {
       announce(`Young’s modulus ${digits(youngs[0])} to ${digits(youngs[1])} newton per metre, Poisson’s ratio ${digits(poisson[0])} to ${digits(poisson[1])}.`);
     }
   }
+}
+
+/** An error in the unit of its number; empty where it is not known. */
+function absoluteError(error: number | null | undefined): string {
+  return error === null || error === undefined ? "" : `± ${digits(error, 2)}`;
 }
 
 function notesOf(profile: Profile | null): string[] {

@@ -1,12 +1,14 @@
 // The weave session: the state, the server's layout and profile, and the running computation. It does not depend on elements of the page.
+import { withSwitch } from "../base/accuracy_choice";
+import { LevelMeasures } from "../base/accuracy_levels";
 import { EditedState } from "../base/edited_state";
 import { Observable } from "../base/observable";
 import { type Client, ConnectionLost, explain } from "../contract/client";
 import { type Activity, JobRunner, type Run } from "../contract/runner";
-import type { WeaveHomogenization, WeaveLayout } from "../contract/types";
+import type { EffectSwitch, WeaveHomogenization, WeaveLayout } from "../contract/types";
 import { carriedOverrides, type LayoutResult } from "./carried";
 import { nextConnection, withConnection } from "./connections";
-import { type Profile, profileOf } from "./profile";
+import { type Profile, profileOf, statedError } from "./profile";
 import { COARSE_DIRECTIONS, FINE_DIRECTIONS, hasStrands, homogenizationRequest, layoutRequest } from "./requests";
 import { DEFAULT_STATE, type FreeLayout, isPeriodic, type WeaveState } from "./state";
 
@@ -35,6 +37,8 @@ export class WeaveSession {
   /** The newest profile. It is of an earlier state until the server has answered. */
   readonly profile = new Observable<Profile | null>(null);
   readonly activity: Observable<ProfileActivity>;
+  /** What the last profiles took. */
+  readonly measures = new LevelMeasures();
 
   private readonly layouts: JobRunner;
   private readonly profiles: JobRunner<ProfileWork>;
@@ -71,6 +75,11 @@ export class WeaveSession {
     this.finish();
     this.edited.change(change);
     this.push();
+  }
+
+  /** Changes when an effect runs. */
+  setEffect(effect: string, value: EffectSwitch): void {
+    this.apply(effect === "out_of_plane" ? { space: value } : { accuracy: withSwitch(this.state.get().accuracy, effect, value) });
   }
 
   undo(): void {
@@ -175,7 +184,9 @@ export class WeaveSession {
       const isSuperseded = profileKey(this.state.get()) !== key;
       if (isSuperseded || !this.profile.get()?.provisional) return;
       this.isFine = true;
-      this.profile.set(profileOf(await this.homogenize(state, FINE_DIRECTIONS, run), key, false));
+      const profile = profileOf(await this.homogenize(state, FINE_DIRECTIONS, run), key, false);
+      this.measures.record("weaves", { level: state.accuracy.level, seconds: profile.seconds, error: statedError(profile) });
+      this.profile.set(profile);
     }, this.profiles.tellFault, this.isFine);
   }
 

@@ -2,6 +2,8 @@
 import { announce } from "../base/announce";
 import { button, Select, Slider } from "../base/controls";
 import { h, replace } from "../base/dom";
+import { EffectChips } from "../base/effect_chips";
+import { chipsOf } from "../base/effect_words";
 import { download } from "../base/download";
 import { digits, percent, seconds } from "../base/format";
 import { ProgressRow } from "../base/progress_row";
@@ -84,6 +86,7 @@ class SheetView {
   readonly element = h("div", { class: "sheet-view" });
   private readonly facts = h("dl", { class: "facts" });
   private readonly notes = h("div", { class: "notes" });
+  private readonly chips = new EffectChips("What was computed of the sheet");
   private readonly slider = h("div");
   private readonly files: HTMLButtonElement[];
   private readonly viewer: SheetViewer | null;
@@ -98,7 +101,7 @@ class SheetView {
     );
     const stage = this.viewer?.element ?? h("p", { class: "note" }, "This browser shows no 3D drawings (WebGL is missing); results are given as numbers.");
     this.element.append(stage,
-      h("div", { class: "sheet-side" }, this.slider, this.facts, this.notes, h("div", { class: "row" }, ...this.files),
+      h("div", { class: "sheet-side" }, this.slider, this.facts, this.chips.element, this.notes, h("div", { class: "row" }, ...this.files),
         h("p", { class: "muted" }, "Drag to turn, scroll to come nearer; with the keyboard: arrows and + −.")));
   }
 
@@ -122,6 +125,7 @@ class SheetView {
     slider.disabled = this.states.length < 2;
     replace(this.slider, slider.element);
     this.viewer?.setSheet([rest, this.states[this.index]]);
+    this.chips.show(chipsOf(result.answer.effects, {}, result.answer.accuracy));
     replace(this.notes, ...notesOf(result).map((sentence) => h("p", { class: "note" }, sentence)));
     this.draw();
     announce(this.factsNow().map(([term, value]) => `${term}: ${value}`).join(". "));

@@ -1,5 +1,6 @@
 // The state of the weave page: everything that the user has chosen. States are immutable, so that changes can be undone.
-import type { CrossingOverride, WeaveStrands } from "../contract/types";
+import { type AccuracyChoice, NORMAL } from "../base/accuracy_choice";
+import type { CrossingOverride, EffectSwitch, WeaveStrands } from "../contract/types";
 import { DEFAULT_LENGTHS, type Lengths, type PatternId, PATTERNS } from "./patterns";
 
 export type Point = readonly [x: number, y: number];
@@ -41,8 +42,9 @@ export interface WeaveState {
   readonly strain: number;
   readonly shear: "free" | "suppressed";
   /** Whether the weave may leave its plane. */
-  readonly space: "automatic" | "off";
-  /** Number of rod segments between neighbouring crossings. */
+  readonly space: EffectSwitch;
+  readonly accuracy: AccuracyChoice;
+  /** Number of rod segments between neighbouring crossings, if accuracy is a value of one's own. */
   readonly segments: number;
   readonly sheet: SheetState;
 }
@@ -74,6 +76,7 @@ export const DEFAULT_STATE: WeaveState = {
   strain: 0.1,
   shear: "free",
   space: "automatic",
+  accuracy: NORMAL,
   segments: 4,
   sheet: { columns: 3, rows: 3, load: "stretch_x", amount: 0.2 },
 };

@@ -1,4 +1,5 @@
 // The controls of the weave: pattern, type and lengths; under "More" the settings of the computation.
+import { AccuracyDial } from "../base/accuracy_dial";
 import { Select, Slider } from "../base/controls";
 import { h, replace } from "../base/dom";
 import { type LengthName, lengthLimits, LENGTH_WORDS, type PatternId, PATTERN_IDS, PATTERNS, withLength } from "./patterns";
@@ -52,7 +53,34 @@ export function weaveControls(session: WeaveSession): HTMLElement {
       slider.value = state.lengths[name];
     }
   });
-  return h("section", { class: "card controls", "aria-label": "Weave" }, pattern.element, type.element, lengths, moreControls(session));
+  return h("section", { class: "card controls", "aria-label": "Weave" }, pattern.element, type.element, lengths, dial(session), moreControls(session));
+}
+
+/** The dial of accuracy; a number of pieces of rod is a value of one's own. */
+function dial(session: WeaveSession): HTMLElement {
+  const segments = new Slider({
+    label: "Pieces of rod between crossings",
+    lower: 1,
+    upper: MAX_SEGMENTS,
+    step: 1,
+    digits: 0,
+    changed: (value, done) => {
+      session.preview({ segments: Math.round(value), accuracy: { ...session.state.get().accuracy, level: "own" } });
+      if (done) session.finish();
+    },
+  });
+  const element = new AccuracyDial({
+    place: "weave",
+    capabilities: () => ["weaves"],
+    measures: session.measures,
+    choose: (level) => session.apply({ accuracy: { ...session.state.get().accuracy, level } }),
+    own: { words: "Own values", controls: [segments.element] },
+  });
+  session.state.watch((state) => {
+    segments.value = state.segments;
+    element.value = state.accuracy.level;
+  });
+  return element.element;
 }
 
 function moreControls(session: WeaveSession): HTMLElement {
@@ -65,14 +93,6 @@ function moreControls(session: WeaveSession): HTMLElement {
     unit: "MPa",
     changed: (value, done) => change({ youngsModulus: value }, done),
   });
-  const segments = new Slider({
-    label: "Pieces of rod between crossings",
-    lower: 1,
-    upper: MAX_SEGMENTS,
-    step: 1,
-    digits: 0,
-    changed: (value, done) => change({ segments: Math.round(value) }, done),
-  });
   const shear = new Select<WeaveState["shear"]>(
     "Shear across the load",
     [{ value: "free", words: "Free: uniaxial stress" }, { value: "suppressed", words: "Suppressed, as some publications have it" }],
@@ -80,7 +100,7 @@ function moreControls(session: WeaveSession): HTMLElement {
   );
   const space = new Select<WeaveState["space"]>(
     "Out of the plane",
-    [{ value: "automatic", words: "Where it buckles" }, { value: "off", words: "Never" }],
+    [{ value: "automatic", words: "Where it buckles" }, { value: "on", words: "Always" }, { value: "off", words: "Never" }],
     (value) => session.apply({ space: value }),
   );
 
@@ -91,9 +111,8 @@ function moreControls(session: WeaveSession): HTMLElement {
 
   session.state.watch((state) => {
     modulus.value = state.youngsModulus;
-    segments.value = state.segments;
     shear.value = state.shear;
     space.value = state.space;
   });
-  return h("details", { class: "more" }, h("summary", {}, "More"), modulus.element, segments.element, shear.element, space.element);
+  return h("details", { class: "more" }, h("summary", {}, "More"), modulus.element, shear.element, space.element);
 }

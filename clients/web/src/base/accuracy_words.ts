@@ -1,0 +1,49 @@
+// Accuracy in words: seconds and errors of the dial, and errors beside the numbers that they belong to.
+import type { Capability, Estimate } from "./accuracy_levels";
+import { percent, seconds } from "./format";
+
+/** Errors below this are those of rounding. */
+const EXACT = 1e-9;
+
+/** "± 0.4 %", or "exact" where nothing but rounding is left; empty where the error is not known. */
+export function errorWords(error: number | null | undefined): string {
+  if (error === null || error === undefined || !Number.isFinite(error)) return "";
+  return Math.abs(error) < EXACT ? "exact" : `± ${percent(Math.abs(error) < 1e-4 ? Number(error.toPrecision(1)) : error)}`;
+}
+
+/** A number in words with its error beside it, if that is known and more than rounding. */
+export function withError(words: string, error: number | null | undefined): string {
+  const told = errorWords(error);
+  return told === "" || told === "exact" ? words : `${words} ${told}`;
+}
+
+export function secondsWords({ seconds: time, source }: Estimate): string {
+  if (time === null) return "";
+  return source === "measured" ? seconds(time) : `≈ ${seconds(Number(time.toPrecision(2)))}`;
+}
+
+const SOURCE_WORDS: Record<Estimate["source"], string> = {
+  measured: "as measured here",
+  scaled: "by what was computed here",
+  table: "by the benchmarks",
+};
+
+/** What is computed, in the sentence of the dial. */
+export const CAPABILITY_WORDS: Record<Capability, string> = {
+  designs: "Search",
+  simulations: "Deformed patch",
+  networks: "Relaxation",
+  hosts: "Relaxation with its host",
+  voronoi: "Diagram",
+  voronoi_optimizations: "Optimization",
+  weaves: "Stiffness",
+  geodesics: "Distances",
+};
+
+/** A sentence of the dial, such as "Stiffness: 0.4 s as measured here, ± 9 % (error of Young's modulus)." */
+export function estimateSentence(capability: Capability, known: Estimate, errorOf: string): string {
+  const time = secondsWords(known);
+  const error = errorWords(known.error);
+  const parts = [time && `${time} ${SOURCE_WORDS[known.source]}`, error && `${error}${errorOf && ` (${errorOf})`}`].filter((part) => part);
+  return `${CAPABILITY_WORDS[capability]}: ${parts.length > 0 ? parts.join(", ") : "not measured yet"}.`;
+}
