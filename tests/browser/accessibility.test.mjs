@@ -5,6 +5,7 @@ import { createRequire } from "node:module";
 import { describe, it } from "node:test";
 import { DesignPage } from "./design_page.mjs";
 import { announcements, browser, closePage, openPage, picture, server, setUp, until } from "./harness.mjs";
+import { answerWays, MISSED, WAY } from "./missed_target.mjs";
 import { WeavePage } from "./weave_page.mjs";
 
 const axe = await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
@@ -265,6 +266,96 @@ describe("the colours", () => {
     assert.equal(await theme(), "light");
     await page.reload();
     await until(async () => (await theme()) === "light", "light");
+    await closePage(page);
+  });
+});
+
+const PHONE = { ...STILL, viewport: { width: 390, height: 844 } };
+
+/** Opens a target that is missed, with a way out, as a person sees it who is there for the first time. */
+async function missedTarget(options) {
+  const design = await DesignPage.open(browser, `${server.url}/${MISSED}`, { firstVisit: true, ...options });
+  await answerWays(design.page, [WAY]);
+  await design.page.getByLabel("Check by itself").check();
+  await design.page.locator(".ways-out button").waitFor();
+  return design;
+}
+
+/** Unfolds the tools for strands of one's own, with a strand that is being drawn. */
+async function drawnStrand(weave) {
+  const { page } = weave;
+  await page.getByLabel("Pattern").selectOption("layout");
+  await until(async () => (await weave.crossings.count()) === 1, "the first layout");
+  await weave.settled();
+  await page.getByText("Scale and repeat").click();
+  await weave.button("Draw a strand").click();
+  await weave.clickAt(2, 2);
+}
+
+describe("a first visit, the verdict with its ways out, the card of the part and the tools for strands", () => {
+  for (const [where, options] of [["in a wide window", STILL], ["on a phone", PHONE]]) {
+    it(`keep the rules in light and dark colours ${where}, and are no wider than it`, async () => {
+      const design = await missedTarget(options);
+      const { page } = design;
+      await page.getByRole("region", { name: "What this is" }).waitFor();
+      await page.locator("details.part summary").click();
+      await page.locator("details.part .facts", { hasText: "30 × 90 × 1 mm" }).waitFor();
+      assert.deepEqual(await violationsInBothColours(page, `missed-${options.viewport?.width ?? "wide"}`), []);
+      await isAsWideAsTheScreen(page);
+      await closePage(page);
+      const weave = await WeavePage.open(browser, server.url, "", options);
+      await drawnStrand(weave);
+      assert.deepEqual(await violationsInBothColours(weave.page, `strands-${options.viewport?.width ?? "wide"}`), []);
+      await isAsWideAsTheScreen(weave.page);
+      await closePage(weave.page);
+    });
+  }
+
+  it("are used by the keyboard alone, which stays where the work is", async () => {
+    const design = await missedTarget(STILL);
+    const { page } = design;
+    const focused = () => page.evaluate(() => document.activeElement.ariaLabel ?? document.activeElement.labels?.[0]?.textContent ?? document.activeElement.textContent);
+    await page.getByRole("button", { name: "Close, and do not show it again" }).focus();
+    await page.keyboard.press("Enter");
+    assert.equal(await focused(), "Examples", "the next button after a card that was closed");
+    await page.getByRole("region", { name: "Verdict" }).getByRole("button").first().focus();
+    const walked = [await focused()];
+    while (walked.at(-1) !== WAY.sentence.replace(/\.$/, "") && walked.length < 8) {
+      await page.keyboard.press("Tab");
+      walked.push(await focused());
+    }
+    assert.deepEqual(walked, ["Verify", "Save part", "Check by itself", WAY.sentence.replace(/\.$/, "")]);
+    await page.keyboard.press("Enter");
+    await until(async () => (await page.locator(".ways-out button").count()) === 0, "the end of what is done");
+    assert.ok(await page.evaluate(() => document.activeElement.closest(".verdict-line") !== null), "the focus stays in the verdict");
+    await page.getByRole("button", { name: "Save part" }).focus();
+    await page.keyboard.press("Enter");
+    assert.equal(await focused(), "Part to make");
+    await page.keyboard.press("Tab");
+    assert.equal(await focused(), "Coupon");
+    await closePage(page);
+  });
+
+  it("draw a strand by the keyboard", async () => {
+    const weave = await WeavePage.open(browser, server.url, "", STILL);
+    const { page } = weave;
+    await page.getByLabel("Pattern").selectOption("layout");
+    await until(async () => (await weave.crossings.count()) === 1, "the first layout");
+    await page.getByLabel("Pattern").focus();
+    await weave.button("Draw a strand").focus();
+    await page.keyboard.press("Tab");
+    await page.keyboard.press("Shift+Tab");
+    await page.keyboard.press("Enter");
+    const isAtEntry = () => page.evaluate(() => document.activeElement.labels?.[0]?.textContent === "Add a point by its coordinates (mm)");
+    assert.ok(await isAtEntry(), "the field for points has the focus");
+    for (const point of ["2, 2", "8, 2"]) {
+      await page.keyboard.type(point);
+      await page.keyboard.press("Enter");
+    }
+    await weave.button("End").focus();
+    await page.keyboard.press("Enter");
+    await page.getByRole("button", { name: "Remove strand 3" }).waitFor();
+    assert.equal(await page.evaluate(() => document.activeElement.textContent), "Draw a strand");
     await closePage(page);
   });
 });

@@ -3,44 +3,13 @@ import assert from "node:assert/strict";
 import { describe, it } from "node:test";
 import { DesignPage } from "./design_page.mjs";
 import { browser, closePage, picture, server, setUp, until } from "./harness.mjs";
+import { answerWays, MISSED, refuseVerifications, WAY } from "./missed_target.mjs";
 
 setUp();
 
-/** A target of one family that is far too stiff for its material. */
-const LINK = "#/design?task=stress_strain&family=IH29&direction=0&points=0,0;0.05,6;0.1,12&design=IH29&parameters=0.25";
-
-/** The way out of the mock server: the material is 20 times as stiff. */
-const WAY = {
-  change: "modulus",
-  sentence: "Make it of a material of 520 MPa: 2.1 % instead of 94 % by the model.",
-  family: "IH29",
-  model: "IH29",
-  parameters: [0.25],
-  orientation: 0,
-  youngs_modulus: 520,
-  range: null,
-  deviation: 0.021,
-};
-
-/** Refuses verifications, which would take long. */
-async function refuseVerifications(page) {
-  const refusal = { type: "urn:supple:error:server.overloaded", title: "Overloaded", status: 429, detail: "Not now.", code: "server.overloaded" };
-  await page.route("**/v1/designs", (route) =>
-    route.request().postDataJSON()?.verify ? route.fulfill({ status: 429, contentType: "application/problem+json", json: refusal }) : route.fallback());
-}
-
-/** Answers requests for ways out with these ones, and refuses verifications. */
-async function answerWays(page, ways) {
-  await refuseVerifications(page);
-  await page.route("**/v1/designs", async (route) => {
-    if (route.request().postDataJSON()?.effects?.ways_out !== "on") return route.fallback();
-    await route.fulfill({ status: 200, json: { ways_out: ways, cost: { seconds: 1, stages: [], quantities: {} }, effects: [] } });
-  });
-}
-
 describe("a target that is missed", () => {
   it("has ways out as buttons, of which one click makes the change as one step that can be undone", async () => {
-    const design = await DesignPage.open(browser, server.url + "/" + LINK);
+    const design = await DesignPage.open(browser, server.url + "/" + MISSED);
     const { page } = design;
     await answerWays(page, [WAY]);
     await page.getByLabel("Check by itself").check();
@@ -77,7 +46,7 @@ describe("a target that is missed", () => {
   });
 
   it("is brought closer by what the server itself proposes", async () => {
-    const design = await DesignPage.open(browser, server.url + "/" + LINK);
+    const design = await DesignPage.open(browser, server.url + "/" + MISSED);
     const { page } = design;
     await refuseVerifications(page);
     await page.getByLabel("Check by itself").check();

@@ -32,7 +32,8 @@ TABLE: List[Tuple[str, Set[str]]] = [
     # Pages. One test of the service's files reads which ports they publish.
     (r"CONTRIBUTING\.md", {"docs:CONTRIBUTING.md", "unit:unit_numerics"}),  # whose energy is compiled from the page
     (r"docs/configuration\.md", {"docs:docs/configuration.md", "api:test_configuration.py", SCRIPTS}),
-    (r"((README|SECURITY|docs/[^/]*|docs/notes/[^/]*)\.md)", {"docs:{}", SCRIPTS}),
+    (r"((README|SECURITY|docs/[^/]*|docs/(notes|walkthroughs)/[^/]*)\.md)", {"docs:{}", SCRIPTS}),
+    (r"docs/walkthroughs/files/.*", {"docs", "browser"}),  # which the tests of the walkthroughs open
     (r"docs/bench/[^/]*\.csv", {"docs", "web", "browser"}),  # the editor shows some of these tables
     (r"docs/.*", {"docs"}),
     (r"deploy/README\.md", {"docs:deploy/README.md", "api:test_sbom.py", SCRIPTS}),

@@ -45,6 +45,8 @@ def test_what_everything_depends_on_runs_everything(path: str) -> None:
     ("tests/whole-run.txt", {"docs": set()}),
     ("docs/voronoi.md", {"docs": {"docs/voronoi.md"}, "deploy": {"test_service_files.py"}}),
     ("docs/images/first_screen.png", {"docs": None}),
+    ("docs/walkthroughs/sole.md", {"docs": {"docs/walkthroughs/sole.md"}, "deploy": {"test_service_files.py"}}),
+    ("docs/walkthroughs/files/sole.svg", {"docs": None, "browser": None}),
     ("docs/bench/networks-accuracy.csv", {"docs": None, "web": None, "browser": None}),
     ("CONTRIBUTING.md", {"docs": {"CONTRIBUTING.md"}, "unit": {"unit_numerics"}}),
     ("clients/web/src/main.ts", {"docs": set(), "web": None, "browser": None, "api": {"test_web_files.py"}, "deploy": {"test_service_files.py"}}),

@@ -11,8 +11,8 @@ from urllib.parse import unquote
 ROOT = Path(__file__).resolve().parents[2]
 
 #: Pages whose links are followed: all that the project has.
-LINKED = sorted(path.relative_to(ROOT).as_posix() for folder in ("", "docs", "docs/notes", "docs/bench", "deploy", "deploy/kubernetes", "server", "models",
-                                                                "models/datasets", "clients/cli", "clients/python", "clients/web", "api/examples",
+LINKED = sorted(path.relative_to(ROOT).as_posix() for folder in ("", "docs", "docs/notes", "docs/walkthroughs", "docs/bench", "deploy",
+                                                                "deploy/kubernetes", "server", "models", "models/datasets", "clients/cli", "clients/python", "clients/web", "api/examples",
                                                                 "api/examples/meshes", "api/examples/networks")
                 for path in (ROOT / folder).glob("*.md"))
 #: Pages that people write, whose words are spelt. Pages under docs/bench are written by programs, and so are models' cards.

@@ -206,8 +206,8 @@ export class PlotPanel {
       measured: drawnBehind(this.measured.data.get(), state),
       pins: [...this.pins.list.get().flatMap((pin) => pin.curve ?? []), ...this.overlays.list.get()],
       hovered: this.hovered === null || polar ? this.hovered : Math.max(state.points[0]?.[0] ?? 0, Math.min(state.points.at(-1)?.[0] ?? 0, this.hovered)),
-      // Missed samples are marked only if the deviation is larger than the error of the model.
-      missed: shown && fresh === "current" && !this.dragging && !judgedResponse(this.session, this.verification, shown).isWithinError
+      // Missed samples are marked only where the target is not reached.
+      missed: shown && fresh === "current" && !this.dragging && judgedResponse(this.session, this.verification, shown).grade !== "reached"
         ? shown.x.flatMap((x, k): ControlPoint[] => (shown.reached[k] ? [] : [[x, shown.target[k]]])) : [],
       strainWord: STRAIN_WORDS[state.measure],
       dragging: this.dragging,

@@ -4,7 +4,9 @@ import { Observable } from "../base/observable";
 import type { Polish } from "../contract/types";
 import type { DesignSession } from "./session";
 import { isRange, searchesModulus } from "./specification";
+import { targetsText } from "./started_jobs";
 import { type DesignState, sameProfile, type TilingDesign } from "./state";
+import { targetsOf } from "./target_list";
 
 /** A round as events of the job tell it, with its family. */
 export type AnsweredRound = Polish["rounds"][number] & { readonly family: string };
@@ -28,7 +30,10 @@ export class PolishRounds {
   private lastKey = "";
   private all: readonly AnsweredRound[] = [];
 
-  constructor(private readonly session: DesignSession) {}
+  constructor(private readonly session: DesignSession) {
+    // The rounds of other targets say nothing about the present ones.
+    session.state.watch((state) => this.asked && targetsText(targetsOf(state)) !== targetsText(targetsOf(this.asked)) && this.clear());
+  }
 
   /** The rounds so far, as they were told. */
   get answered(): readonly AnsweredRound[] {

@@ -32,6 +32,13 @@ export function verdictLine(session: DesignSession, verification: Verification, 
   let drawnWays: readonly WayOut[] = [];
 
   function show(): void {
+    const focused = element.contains(document.activeElement) ? document.activeElement : null;
+    redraw();
+    // The button that was pressed may be gone, and the keyboard goes on from what has taken its place.
+    if (focused && (!focused.isConnected || focused.closest("[hidden]"))) [stop, verify, save].find((one) => !one.hidden && !one.disabled)?.focus({ preventScroll: true });
+  }
+
+  function redraw(): void {
     const shown = session.results.shown.get();
     const fresh = freshness(shown, session.state.get());
     const judgement = shown && fresh !== "other" && !shown.provisional ? judgedDesign(session, verification, shown) : null;

@@ -299,7 +299,8 @@ export class Verification {
   }
 
   private showProgress({ progress, stage, partial, remaining_seconds: remaining = null }: Job, { work }: Subject): void {
-    if (partial && "round" in partial) this.rounds.add(partial.round, partial.family);
+    // A verification tells of its only simulation in the same way.
+    if (work === "polish" && partial && "round" in partial) this.rounds.add(partial.round, partial.family);
     this.state.set({ kind: "running", work, isBackground: this.subject?.isBackground ?? false, progress, stage, remaining });
   }
 

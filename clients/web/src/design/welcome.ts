@@ -18,7 +18,9 @@ function wasClosed(): boolean {
 export function welcome(choose: (start: Start) => void): HTMLElement {
   const starts = WELCOME_STARTS.flatMap((name) => STARTS.find((start) => start.name === name) ?? []);
   const close = (): void => {
+    const next = element.contains(document.activeElement) ? element.nextElementSibling?.querySelector<HTMLElement>("button") : null;
     element.hidden = true;
+    next?.focus({ preventScroll: true }); // the pressed button is gone
     try {
       localStorage.setItem(KEY, "closed");
     } catch {

@@ -76,8 +76,12 @@ function drawingTools(draft: Draft, session: WeaveSession): HTMLElement {
 
   function show(): void {
     const points = draft.points.get();
+    const [begins, ends] = [points !== null && begin.matches(":focus-visible"), points === null && tools.contains(document.activeElement)];
     tools.hidden = points === null;
     begin.hidden = points !== null;
+    // The keyboard goes on from what takes the place of the pressed button.
+    if (begins) entry.focus();
+    if (ends) begin.focus({ preventScroll: true });
     const size = points?.length ?? 0;
     count.textContent = `${size} point${size === 1 ? "" : "s"}`;
     open.disabled = size < 2;

@@ -1,0 +1,42 @@
+// Walkthrough: an auxetic target that is missed, what the page says of it, and a way out (docs/walkthroughs/auxetic.md).
+import assert from "node:assert/strict";
+import { describe, it } from "node:test";
+import { DesignPage } from "./design_page.mjs";
+import { browser, closePage, server, setUp, until } from "./harness.mjs";
+import { PATIENCE_MS, step, WINDOW } from "./walkthrough.mjs";
+
+setUp({ models: ["ih28.h5", "ih29.h5"] });
+
+/** A strip that becomes wider when it is pulled along 0 degrees. The family can do that, but along 60 degrees. */
+const LINK = "#/design?task=poisson&family=IH28&strain=0.02&points=0,-0.6;0.5236,0.57;1.0472,0.81;1.5708,0.86;2.0944,0.82;2.618,0.55";
+
+describe("the walkthrough of an auxetic target", () => {
+  it("is told that the target is missed, and turns the structure by one click", async () => {
+    const design = await DesignPage.open(browser, `${server.url}/${LINK}`, WINDOW);
+    const { page } = design;
+    const verdict = page.locator(".verdict-words");
+    const grade = () => page.locator(".verdict-line").getAttribute("data-grade");
+    await design.settled(PATIENCE_MS);
+    assert.equal(await grade(), "missed");
+    const missedBy = await design.deviation();
+    assert.ok(missedBy > 15, `${missedBy} %`);
+    assert.equal(await page.locator(".result .chip.good").count(), 0, "no green on a target that is missed");
+    console.log(await verdict.textContent());
+    await step(page, "auxetic-1-missed");
+
+    await page.getByLabel("Check by itself").check();
+    const ways = page.locator(".ways-out button");
+    await ways.first().waitFor({ timeout: PATIENCE_MS });
+    console.log(await ways.allTextContents());
+    await step(page, "auxetic-2-ways-out", page.locator(".plot-card"));
+    const turn = ways.filter({ hasText: /^Turn/ }).first();
+    await turn.click();
+    await until(async () => (await grade()) !== "missed" && (await grade()) !== "", "a target that is not missed", PATIENCE_MS);
+    await design.settled(PATIENCE_MS);
+    assert.ok((await design.deviation()) < missedBy / 2, `${await design.deviation()} % instead of ${missedBy} %`);
+    await until(async () => /^Simulated: /.test(await verdict.textContent()), "the simulation", PATIENCE_MS);
+    console.log(await verdict.textContent());
+    await step(page, "auxetic-3-turned");
+    await closePage(page);
+  });
+});
