@@ -134,7 +134,7 @@ void add_limits(CLI::App& app, ServerOptions& options) {
       ->check(CLI::Range(1, 100000));
   group
       ->add_option("--max-requests", options.http.max_requests,
-                   "Requests that are answered at the same time, a thread each")
+                   "Requests that are answered at the same time, a thread each, and as many in the background")
       ->check(CLI::Range(1, 10000));
   group
       ->add_option("--client-share", options.http.max_client_fraction,

@@ -69,7 +69,7 @@ class Answerer::Exchange final : public StandIn {
     auto response = answerer_.responses_.of_problem(problem, request);
     status_ = response.status;
     const double taken = seconds();
-    if (releases_slot) {
+    if (releases_slot && !is_in_background_) {
       parts_.slots.release(request.client, taken);
       parts_.threads.raise_limit();
       slot_is_released_ = true;
@@ -77,6 +77,12 @@ class Answerer::Exchange final : public StandIn {
     if (request.method == "HEAD") response.body.clear();
     answerer_.send_last(connection_, closing_answer(response, "Late"));
     observe(taken);
+  }
+
+  void wait_in_background() override {
+    if (auto refused = parts_.slots.move_to_background(connection_.request.client)) std::rethrow_exception(refused);
+    is_in_background_ = true;
+    parts_.threads.raise_limit();
   }
 
  private:
@@ -97,7 +103,10 @@ class Answerer::Exchange final : public StandIn {
     const bool is_complete = parts_.library.answer(stream, is_last_, closed_by_client,
                                                    [&](httplib::Response& target) { make_response(target, stream); });
     connection_.request.stand_in = nullptr;
-    if (slot_is_released_) {
+    if (is_in_background_) {
+      parts_.slots.release_in_background(connection_.request.client);
+      parts_.threads.lower_limit();
+    } else if (slot_is_released_) {
       parts_.threads.lower_limit();
     } else if (has_slot_) {
       parts_.slots.release(connection_.request.client, seconds());
@@ -158,10 +167,11 @@ class Answerer::Exchange final : public StandIn {
   Connection& connection_;
   const bool has_slot_;
   const Clock::time_point begin_ = Clock::now();
-  bool is_last_;          ///< whether the connection closes after the answer
-  bool lingers_;          ///< whether it closes after its input has been discarded
-  bool is_sent_ = false;  ///< whether the client has not gone
-  std::string unsent_;    ///< what the client did not take at once
+  bool is_last_;                   ///< whether the connection closes after the answer
+  bool lingers_;                   ///< whether it closes after its input has been discarded
+  bool is_sent_ = false;           ///< whether the client has not gone
+  std::string unsent_;             ///< what the client did not take at once
+  bool is_in_background_ = false;  ///< whether its handler waits for work in the background; set by that
   std::atomic<AnsweredBy> answered_by_{AnsweredBy::nobody};
   // Whoever has claimed the answer, the handler's thread or the stand-in's, sets the following members. The handler
   // does not return before the stand-in has.

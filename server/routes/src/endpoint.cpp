@@ -133,6 +133,7 @@ class EndpointHandler {
     http::Response response;
     if (preference.wait && *preference.wait > 0) {
       const auto hung_up = [peer = request.peer] { return peer.hung_up(); };
+      leave_slot(request, computation.priority);
       auto outcome =
           services_.jobs->run_within(std::move(computation), *preference.wait, hung_up, request_of_job(request));
       response = outcome.result ? response_of(std::move(*outcome.result)) : accepted(outcome.job);

@@ -25,6 +25,10 @@ http::Response response_of(store::Result result) {
   return response;
 }
 
+void leave_slot(const http::Request& request, Priority priority) {
+  if (priority == Priority::background && request.stand_in) request.stand_in->wait_in_background();
+}
+
 store::Result compute_now(const Services& services, const http::Request& request, const jobs::Computation& computation,
                           jobs::Profile* profile) {
   jobs::Waiting waiting{[peer = request.peer] { return peer.hung_up(); }};
@@ -33,6 +37,7 @@ store::Result compute_now(const Services& services, const http::Request& request
       stand_in->answer(problem, releases_slot);
     };
   }
+  leave_slot(request, computation.priority);
   return services.jobs->run_now(computation, std::move(waiting), profile);
 }
 

@@ -16,8 +16,13 @@ namespace supple::routes {
 store::Result compute_now(const Services& services, const http::Request& request, const jobs::Computation& computation,
                           jobs::Profile* profile = nullptr);
 
-/// The same for work without a result, on this thread whatever its priority: in the background it would not be urgent
-/// enough for a client that waits. The computation says what it belongs to, and its client is that of the request.
+/// To be called before the thread of a request waits for a computation of this priority: leaves its slot to others
+/// where that is in the background. Throws as http::StandIn::wait_in_background does.
+void leave_slot(const http::Request& request, Priority priority);
+
+/// The same as compute_now for work without a result, on this thread whatever its priority: in the background it would
+/// not be urgent enough for a client that waits. The computation says what it belongs to, and its client is that of the
+/// request.
 void work_now(const Services& services, const http::Request& request, jobs::Computation computation,
               const std::function<void(const Execution&)>& work);
 

@@ -179,6 +179,15 @@ class HttpServerTest : public ::testing::Test {
                 {10, "--max"},
                 false,
                 true});
+    router.add({"GET",
+                "/background",
+                [this](const Request& r) {
+                  r.stand_in->wait_in_background();
+                  ++waiting_;
+                  while (!release_) std::this_thread::sleep_for(1ms);
+                  return text("waited!");
+                },
+                {}});
     router.add({"GET", "/probe", [](const Request&) { return text("alive!"); }, {}, true});
     router.add({"GET",
                 "/stream",
@@ -295,6 +304,7 @@ class HttpServerTest : public ::testing::Test {
   std::atomic<int> observed_{0};
   std::atomic<int> in_guard_{0};
   std::atomic<bool> release_guard_{false};
+  std::atomic<int> waiting_{0};
   std::atomic<int> returned_{0};
   std::atomic<int> streamed_{0};
   std::atomic<bool> release_{false};

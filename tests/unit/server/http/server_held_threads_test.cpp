@@ -42,6 +42,21 @@ TEST_F(HttpServerTest, AnswersForAHandlerThatIsHeldAndDropsWhatItReturnsLater) {
   EXPECT_EQ(server_->connections(), 0);
 }
 
+TEST_F(HttpServerTest, ARequestThatWaitsInTheBackgroundLeavesItsSlotAndItsThreadToOthers) {
+  options_.max_requests = 1;
+  start();
+  Client client(port_);
+  client.send(get("/background") + get("/hello/next"));
+  while (waiting_ == 0) std::this_thread::sleep_for(1ms);
+  EXPECT_TRUE(answer(get("/hello/a")).ends_with("hello a!"));
+  EXPECT_TRUE(answer(get("/background")).ends_with("problem server.busy!")) << "such requests have one slot, too";
+  EXPECT_TRUE(answer(get("/hello/b")).ends_with("hello b!"));
+  release_ = true;
+  EXPECT_NE(client.read_until("hello next!").find("waited!"), std::string::npos);
+  while (server_->load().answering > 0) std::this_thread::sleep_for(1ms);
+  EXPECT_EQ(waiting_, 1);
+}
+
 TEST_F(HttpServerTest, MixesNothingOfALateAnswerIntoTheOneThatIsBeingSent) {
   start();
   Client client(port_);

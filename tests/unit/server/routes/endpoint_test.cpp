@@ -141,6 +141,29 @@ TEST_F(EndpointTest, WorkForARequestIsDoneOnItsThreadWhateverItsPriority) {
   EXPECT_EQ(worked_on, std::this_thread::get_id());
 }
 
+/// Counts the requests that leave their slots.
+struct CountingStandIn final : http::StandIn {
+  void answer(const problem::Problem&, bool) override {}
+  void wait_in_background() override { ++waiting; }
+  int waiting = 0;
+};
+
+TEST_F(EndpointTest, ARequestInTheBackgroundLeavesItsSlotWhileItWaits) {
+  CountingStandIn stand_in;
+  const auto slots_left = [&](const std::string& body, const std::string& preference) {
+    auto request = request_with(body, {{"Prefer", preference}});
+    request.stand_in = &stand_in;
+    const int before = stand_in.waiting;
+    ask(request);
+    return stand_in.waiting - before;
+  };
+  const std::string background = R"({"priority":"background"})";
+  EXPECT_EQ(slots_left("{}", ""), 0);
+  EXPECT_EQ(slots_left(background, ""), 1);
+  EXPECT_EQ(slots_left(background, "wait=1"), 1);
+  EXPECT_EQ(slots_left(background, "respond-async"), 0) << "it does not wait";
+}
+
 TEST_F(EndpointTest, TheFaultOfAFormatNamesAllThatThereAre) {
   try {
     ask(request_with("{}", {{"Accept", "image/png"}}));

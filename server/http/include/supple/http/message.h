@@ -25,7 +25,8 @@ class Peer {
   int socket_;
 };
 
-/// Answers a request in place of a handler that does not return in time.
+/// Answers a request in place of a handler that does not return in time, and leaves the place of one that waits to
+/// others.
 class StandIn {
  public:
   virtual ~StandIn() = default;
@@ -33,6 +34,11 @@ class StandIn {
   /// discarded. With `releases_slot`, the late handler no longer counts towards --max-requests, and one more thread may
   /// run. Any thread may call, once at most. The handler must not return before this call has.
   virtual void answer(const problem::Problem& problem, bool releases_slot) = 0;
+  /// The handler does nothing from here on but wait for work in the background: it no longer counts towards
+  /// --max-requests, but among as many others that wait so, and one more thread may run. Called by the handler, once at
+  /// most, and before anybody calls `answer`. Where there is no place among those either, this throws "server.busy"
+  /// (503) or "server.client_share" (429).
+  virtual void wait_in_background() = 0;
 };
 
 /// A request that has been read completely.
