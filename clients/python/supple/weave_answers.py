@@ -118,7 +118,7 @@ class WeaveDeformation(Shown):
         energy_density: N/m, shape (n,).
         cauchy_stress_error, energy_density_error: estimated errors in N/m, shape (n,), of the stress as a Frobenius norm; nan where
             they were not estimated (`WeaveOptions.error_estimate`). `discretization_error` has those of all together.
-        stopped: "converged", "iteration_limit" or "step_too_small".
+        stopped: "converged", "iteration_limit", "step_too_small", or "deadline" or "memory" if time or memory ran out.
         out_of_plane, stable: bool, shape (n,).
         message: how many gradients were not reached, and for which entries sliders are not exactly at their limits; may be
             empty.
@@ -163,7 +163,8 @@ class WeaveHomogenization(Drawn):
             those of all directions together.
         deformation_gradient, nominal_stress, cauchy_stress: shape (n, 2, 2), N/m.
         energy_density: N/m.
-        stopped: "converged", "iteration_limit", "step_too_small" or "folded_flat".
+        stopped: "converged", "iteration_limit", "step_too_small", "folded_flat", or "deadline" or "memory" if time or
+            memory ran out.
         out_of_plane, stable: bool, shape (n,).
         message: how many directions did not converge, and for which sliders are not exactly at their limits; may be empty.
         cells: the deformed cells that were requested.
@@ -218,7 +219,7 @@ class SheetState(Drawn):
         sliding: how far each slider has moved along its strand, mm.
         reactions: reaction forces at `WeaveSimulation.supports`, shape (m, 3), N.
         out_of_plane, stable: whether it is computed in space, and whether its tangent stiffness is positive definite.
-        stopped: "converged", "iteration_limit" or "step_too_small".
+        stopped: "converged", "iteration_limit", "step_too_small", or "deadline" or "memory" if time or memory ran out.
         residual: N; None if it is not finite.
         limit_error: relative error of the energy, estimated, because sliders do not quite reach their limits; None if it is not
             finite.

@@ -60,7 +60,13 @@ void check(const Target& target) {
     throw InvalidTarget("design.invalid_target", faults.front().where + ": " + faults.front().message + ".", faults);
 }
 
+/// Smaller fractions of the largest weight are rounding errors of the interpolation at a control point without weight.
+constexpr double weight_rounding = 1e-9;
+
 void normalize(SampledTarget& sampled) {
+  const double rounding = weight_rounding * sampled.weights.maxCoeff();
+  for (double& weight : sampled.weights)
+    if (weight <= rounding) weight = 0;
   const double sum = sampled.weights.sum();
   const auto n = static_cast<double>(sampled.weights.size());
   // If the weights are zero at every sample, all samples get the same weight.

@@ -15,6 +15,10 @@ std::string_view to_string(Stop stop) {
       return "iteration_limit";
     case Stop::step_too_small:
       return "step_too_small";
+    case Stop::deadline:
+      return "deadline";
+    case Stop::memory:
+      return "memory";
     case Stop::folded_flat:
       break;
   }

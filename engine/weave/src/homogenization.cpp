@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
+#include <functional>
 #include <numbers>
 #include <string>
 #include <string_view>
@@ -12,6 +14,7 @@
 #include "direction_sweep.h"
 #include "natural_units.h"
 #include "resolution_error.h"
+#include "supple/base/best_so_far.h"
 #include "supple/base/faults.h"
 #include "supple/base/parallel_tasks.h"
 #include "supple/base/part_of_execution.h"
@@ -166,6 +169,44 @@ void add_bills(const std::vector<CostLedger>& bills, CostLedger& total) {
       if (effect.ran) total.add_effect(effect.name, true, effect.why);
 }
 
+Stop stop_by(StopReason reason) { return reason == StopReason::memory ? Stop::memory : Stop::deadline; }
+
+/// Takes back a response that is not sure.
+void withhold(DirectionalResponse& response, Stop stop) {
+  const double direction = response.direction;
+  response = {};
+  response.direction = direction;
+  response.state.stopped = stop;
+}
+
+/// A task that was not finished, and why.
+struct Unfinished {
+  std::size_t index = 0;
+  Stop stop = Stop::deadline;
+};
+
+/// Runs n tasks in parallel and adds their bills. Returns those that the deadline or a limit of memory has stopped, if
+/// others were finished by then.
+std::vector<Unfinished> run_until_stopped(int n, const Execution& execution, std::string_view stage,
+                                          const std::function<void(std::size_t, const Execution&)>& task) {
+  std::vector<std::uint8_t> is_done(static_cast<std::size_t>(n), 0);
+  std::vector<CostLedger> bills;
+  const StopReason reason = search_until_stopped(
+      execution.cancellation, [&] { return std::count(is_done.begin(), is_done.end(), 1) > 0; },
+      [&] {
+        bills = parallel_bills(n, execution, stage, [&](int index, const Execution& own) {
+          const auto i = static_cast<std::size_t>(index);
+          task(i, own);
+          is_done[i] = 1;
+        });
+      });
+  if (execution.cost) add_bills(bills, *execution.cost);
+  std::vector<Unfinished> unfinished;
+  for (std::size_t i = 0; i < is_done.size(); ++i)
+    if (is_done[i] == 0) unfinished.push_back({i, stop_by(reason)});
+  return unfinished;
+}
+
 }  // namespace
 
 std::vector<double> directions_over_half_turn(int count) {
@@ -185,8 +226,7 @@ std::vector<DirectionalResponse> follow_directions(const NaturalWeave& natural, 
   const auto n = static_cast<int>(options.directions.size());
   const std::vector<bool> wanted = chosen(options.deformed, options.directions.size());
   std::vector<DirectionalResponse> responses(options.directions.size());
-  const auto bills = parallel_bills(n, execution, "directions", [&](int index, const Execution& own) {
-    const auto i = static_cast<std::size_t>(index);
+  const auto respond = [&](std::size_t i, const Execution& own) {
     const double direction = options.directions[i];
     const CellPath path = follow_cell(natural.weave(), prescription, direction, equilibrium, own);
     responses[i] = response_of(*path.run, natural.units(), options, direction, path.arrived, wanted[i]);
@@ -200,9 +240,14 @@ std::vector<DirectionalResponse> follow_directions(const NaturalWeave& natural, 
     replace_by_better({{0, response_of(*again.run, natural.units(), options, direction, again.arrived, wanted[i])}},
                       one);
     responses[i] = std::move(one.front());
-  });
-  if (execution.cost) add_bills(bills, *execution.cost);
-  if (equilibrium.buckling == Switch::off) return responses;
+  };
+  const auto unfinished = run_until_stopped(n, execution, "directions", respond);
+  for (const auto& [i, stop] : unfinished) {
+    responses[i] = {};
+    responses[i].direction = options.directions[i];
+    responses[i].state.stopped = stop;
+  }
+  if (equilibrium.buckling == Switch::off || !unfinished.empty()) return responses;
   // A direction whose energy is far above the value that its neighbours suggest is computed again from their states.
   const DirectionOrder order(responses);
   const std::vector<SweepStart> starts = suspicious_directions(responses, order, options);
@@ -225,9 +270,18 @@ std::vector<DirectionalResponse> follow_directions(const NaturalWeave& natural, 
       found[static_cast<std::size_t>(index)].push_back({i, std::move(response)});
     }
   };
-  const auto more_bills = parallel_bills(static_cast<int>(starts.size()), unreported, "neighbouring directions", sweep);
+  std::vector<CostLedger> more_bills;
+  const StopReason stop = search_until_stopped(
+      execution.cancellation, [] { return true; },
+      [&] {
+        more_bills = parallel_bills(static_cast<int>(starts.size()), unreported, "neighbouring directions", sweep);
+      });
   if (execution.cost) add_bills(more_bills, *execution.cost);
   for (auto& better : found) replace_by_better(std::move(better), responses);
+  // What was not compared to the end may be no equilibrium of least energy.
+  for (const auto& [position, upwards] : starts)
+    if (stop != StopReason::none)
+      withhold(responses[order.index(order.neighbour(position, upwards).value())], stop_by(stop));
   return responses;
 }
 
@@ -262,12 +316,14 @@ std::vector<CellState> states_under(const NaturalWeave& natural, const std::vect
                                     const Execution& execution) {
   const std::vector<bool> wanted = chosen(deformed, gradients.size());
   std::vector<CellState> states(gradients.size());
-  const auto bills =
-      parallel_bills(static_cast<int>(states.size()), execution, "gradients", [&](int index, const Execution& own) {
-        const auto i = static_cast<std::size_t>(index);
-        states[i] = state_under(natural, gradients[i], options, own, wanted[i]);
-      });
-  if (execution.cost) add_bills(bills, *execution.cost);
+  const auto unfinished = run_until_stopped(static_cast<int>(states.size()), execution, "gradients",
+                                            [&](std::size_t i, const Execution& own) {
+                                              states[i] = state_under(natural, gradients[i], options, own, wanted[i]);
+                                            });
+  for (const auto& [i, stop] : unfinished) {
+    states[i] = {};
+    states[i].stopped = stop;
+  }
   return states;
 }
 
@@ -300,14 +356,24 @@ std::vector<DirectionalResponse> homogenize(const Weave& weave, const Homogeniza
   check(weave, options.equilibrium, execution);
   check(options);
   const NaturalWeave natural(weave);
-  if (options.equilibrium.error_estimate == Switch::off) {
-    bill_no_estimate(Switch::off, execution.cost);
-    return follow_directions(natural, options, execution);
-  }
-  const PartOfExecution first(execution, 0, fraction_before_estimate);
+  const bool estimates = options.equilibrium.error_estimate != Switch::off;
+  const PartOfExecution first(execution, 0, estimates ? fraction_before_estimate : 1);
   auto responses = follow_directions(natural, options, first.execution());
+  if (!estimates) {
+    bill_no_estimate(Switch::off, execution.cost);
+    return responses;
+  }
+  const auto is_unfinished = [](const DirectionalResponse& response) { return is_cut_short(response.state.stopped); };
+  if (std::ranges::any_of(responses, is_unfinished)) {
+    bill_estimate_without_time(execution.cost);
+    return responses;
+  }
   const PartOfExecution second(execution, fraction_before_estimate, 1 - fraction_before_estimate);
-  estimate_errors(natural, options, second.execution(), responses);
+  // Without time for it the responses stand, without estimates.
+  const StopReason stop = search_until_stopped(
+      execution.cancellation, [] { return true; },
+      [&] { estimate_errors(natural, options, second.execution(), responses); });
+  if (stop != StopReason::none) bill_estimate_without_time(execution.cost);
   return responses;
 }
 
@@ -331,14 +397,23 @@ std::vector<CellState> deform_cells(const Weave& weave, const std::vector<Eigen:
   check_deformed(deformed, deformation_gradients.size(), "deformation gradient", faults);
   faults.throw_if_any<InvalidLoad>("weave.invalid_load");
   const NaturalWeave natural(weave);
-  if (options.error_estimate == Switch::off) {
-    bill_no_estimate(Switch::off, execution.cost);
-    return states_under(natural, deformation_gradients, options, deformed, execution);
-  }
-  const PartOfExecution first(execution, 0, fraction_before_estimate);
+  const bool estimates = options.error_estimate != Switch::off;
+  const PartOfExecution first(execution, 0, estimates ? fraction_before_estimate : 1);
   auto states = states_under(natural, deformation_gradients, options, deformed, first.execution());
+  if (!estimates) {
+    bill_no_estimate(Switch::off, execution.cost);
+    return states;
+  }
+  if (std::ranges::any_of(states, [](const CellState& state) { return is_cut_short(state.stopped); })) {
+    bill_estimate_without_time(execution.cost);
+    return states;
+  }
   const PartOfExecution second(execution, fraction_before_estimate, 1 - fraction_before_estimate);
-  estimate_errors(natural, deformation_gradients, options, second.execution(), states);
+  // Without time for it the states stand, without estimates.
+  const StopReason stop = search_until_stopped(
+      execution.cancellation, [] { return true; },
+      [&] { estimate_errors(natural, deformation_gradients, options, second.execution(), states); });
+  if (stop != StopReason::none) bill_estimate_without_time(execution.cost);
   return states;
 }
 

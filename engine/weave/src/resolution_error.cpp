@@ -130,4 +130,8 @@ void bill_no_estimate(Switch error_estimate, CostLedger* cost) {
                                                  : "a sheet is computed once more only where the request asks for it");
 }
 
+void bill_estimate_without_time(CostLedger* cost) {
+  if (cost) cost->add_effect("error_estimate", false, "time or memory ran out before");
+}
+
 }  // namespace supple::weave

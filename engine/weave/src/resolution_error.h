@@ -50,5 +50,10 @@ struct EstimateCost {
 void bill(const EstimateCost& estimate, CostLedger* cost);
 /// Bills that the effect did not run, since it is off, or automatic for a sheet.
 void bill_no_estimate(Switch error_estimate, CostLedger* cost);
+/// Bills that the effect did not run, since time or memory ran out before.
+void bill_estimate_without_time(CostLedger* cost);
+
+/// Whether time or memory ran out before this state was finished.
+constexpr bool is_cut_short(Stop stop) { return stop == Stop::deadline || stop == Stop::memory; }
 
 }  // namespace supple::weave

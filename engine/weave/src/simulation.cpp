@@ -13,6 +13,7 @@
 
 #include "natural_units.h"
 #include "resolution_error.h"
+#include "supple/base/best_so_far.h"
 #include "supple/base/faults.h"
 #include "supple/base/number_text.h"
 #include "supple/base/part_of_execution.h"
@@ -164,6 +165,40 @@ SheetState state_of(WeaveRun& run, const SheetLoad& load, const NaturalUnits& un
   return state;
 }
 
+/// Follows the path from state to state, to its end or as far as it goes.
+void follow(WeaveRun& run, const SheetLoad& load, const NaturalUnits& units, const Execution& execution,
+            SimulationResult& result) {
+  int iterations = 0;
+  int load_steps = 0;
+  int branches = 0;
+  for (int k = 1; k <= load.states; ++k) {
+    execution.checkpoint(static_cast<double>(k - 1) / load.states, "states");
+    const bool arrived = run.advance_to(k == load.states ? 1 : static_cast<double>(k) / load.states);
+    SheetState state = state_of(run, load, units);
+    if (!arrived && state.stopped == Stop::converged) state.stopped = Stop::step_too_small;
+    state.iterations = run.iterations() - std::exchange(iterations, run.iterations());
+    state.load_steps = run.load_steps() - std::exchange(load_steps, run.load_steps());
+    state.branches = run.branches() - std::exchange(branches, run.branches());
+    result.unknowns = std::max(result.unknowns, static_cast<int>(run.objective().dimension()));
+    result.states.push_back(std::move(state));
+    if (arrived) continue;
+    result.message = "The path could not be followed beyond " + number_text(run.fraction()) +
+                     " of the loads: the load step was halved down to its limit without convergence (" +
+                     std::string(to_string(result.states.back().stopped)) + ").";
+    return;
+  }
+}
+
+/// Says of the last state, which is an equilibrium, that there was no time or memory for the next one.
+void note_stop(StopReason reason, SimulationResult& result) {
+  const bool is_late = reason == StopReason::deadline;
+  SheetState& last = result.states.back();
+  last.stopped = is_late ? Stop::deadline : Stop::memory;
+  result.message = std::string(is_late ? "The deadline passed" : "A limit of memory was reached") +
+                   " after the equilibrium under " + number_text(last.share) +
+                   " of the loads: the path was not followed further.";
+}
+
 /// A load, checked and in the natural units of its sheet.
 struct ScaledLoad {
   SheetLoad load;
@@ -177,25 +212,10 @@ SimulationResult follow(const NaturalWeave& natural, const ScaledLoad& scaled, c
   WeaveRun run(natural.weave(), scaled.prescription, 0, in_natural_units(options, natural.units()), execution);
   SimulationResult result;
   result.states.reserve(static_cast<std::size_t>(load.states));
-  int iterations = 0;
-  int load_steps = 0;
-  int branches = 0;
-  for (int k = 1; k <= load.states; ++k) {
-    execution.checkpoint(static_cast<double>(k - 1) / load.states, "states");
-    const bool arrived = run.advance_to(k == load.states ? 1 : static_cast<double>(k) / load.states);
-    SheetState state = state_of(run, load, natural.units());
-    if (!arrived && state.stopped == Stop::converged) state.stopped = Stop::step_too_small;
-    state.iterations = run.iterations() - std::exchange(iterations, run.iterations());
-    state.load_steps = run.load_steps() - std::exchange(load_steps, run.load_steps());
-    state.branches = run.branches() - std::exchange(branches, run.branches());
-    result.unknowns = std::max(result.unknowns, static_cast<int>(run.objective().dimension()));
-    result.states.push_back(std::move(state));
-    if (arrived) continue;
-    result.message = "The path could not be followed beyond " + number_text(run.fraction()) +
-                     " of the loads: the load step was halved down to its limit without convergence (" +
-                     std::string(to_string(result.states.back().stopped)) + ").";
-    break;
-  }
+  const StopReason stop = search_until_stopped(
+      execution.cancellation, [&] { return !result.states.empty(); },
+      [&] { follow(run, load, natural.units(), execution, result); });
+  if (stop != StopReason::none) note_stop(stop, result);
   run.bill_effects();
   return result;
 }
@@ -215,6 +235,23 @@ void set_errors(const SimulationResult& other, double factor, SimulationResult& 
     }
     state.reaction_error = factor * difference + state.limit_error * largest;
   }
+}
+
+/// Estimates the errors of the states by following the path once more with rods of another resolution.
+void estimate_errors(const NaturalWeave& natural, const ScaledLoad& scaled, const EquilibriumOptions& options,
+                     const Execution& execution, SimulationResult& result) {
+  const auto start = std::chrono::steady_clock::now();
+  const StageTimer timer(execution.cost, "error estimate");
+  const OtherResolution other = other_resolution(options);
+  set_errors(follow(natural, scaled, other.equilibrium, {execution.cancellation, execution.progress, nullptr}),
+             other.factor, result);
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  bill({.count = result.states.size(),
+        .total = result.states.size(),
+        .entries = "states",
+        .segments = other.equilibrium.segments,
+        .seconds = seconds.count()},
+       execution.cost);
 }
 
 }  // namespace
@@ -237,19 +274,16 @@ SimulationResult simulate(const Weave& weave, const SheetLoad& load, const Equil
   constexpr double fraction = 0.7;  // of the progress, until errors are estimated
   const PartOfExecution first(execution, 0, fraction);
   SimulationResult result = follow(natural, scaled, options, first.execution());
-  const auto start = std::chrono::steady_clock::now();
+  if (is_cut_short(result.states.back().stopped)) {
+    bill_estimate_without_time(execution.cost);
+    return result;
+  }
   const PartOfExecution second(execution, fraction, 1 - fraction);
-  const StageTimer timer(execution.cost, "error estimate");
-  const OtherResolution other = other_resolution(options);
-  set_errors(follow(natural, scaled, other.equilibrium, {execution.cancellation, second.execution().progress, nullptr}),
-             other.factor, result);
-  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  bill({.count = result.states.size(),
-        .total = result.states.size(),
-        .entries = "states",
-        .segments = other.equilibrium.segments,
-        .seconds = seconds.count()},
-       execution.cost);
+  // Without time for it the states stand, without estimates.
+  const StopReason stop = search_until_stopped(
+      execution.cancellation, [] { return true; },
+      [&] { estimate_errors(natural, scaled, options, second.execution(), result); });
+  if (stop != StopReason::none) bill_estimate_without_time(execution.cost);
   return result;
 }
 

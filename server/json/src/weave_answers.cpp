@@ -248,6 +248,7 @@ void write_cell_accuracy(JsonWriter& out, const weave::EquilibriumOptions& optio
   LargestResidual residual;
   LargestResidual limit_error;
   for (const Entry& entry : entries) {
+    if (state_in(entry).tolerance == 0) continue;  // it was not computed, since time or memory ran out
     residual.add(state_in(entry).residual, state_in(entry).tolerance);
     limit_error.add(state_in(entry).limit_error, 1);
   }

@@ -42,6 +42,64 @@ TEST(RegularWeave, AlongItsStrandsHasTheirStiffnessOverTheirDistanceWhateverTheC
   }
 }
 
+/// Requests a stop once some tasks of a stage are finished.
+struct StopAfterTasks : ProgressSink {
+  explicit StopAfterTasks(StopReason its_reason) : reason(its_reason) {}
+  void report(double done, std::string_view stage) override {
+    if ((stage == "directions" || stage == "gradients") && done >= 0.2) token.request(reason);
+  }
+  CancellationToken token;
+  StopReason reason;
+};
+
+TEST(Homogenization, KeepsTheDirectionsThatWereFinishedIfTimeOrMemoryRunsOut) {
+  const Weave weave = regular_weave(uniform_block(Connection::fused));
+  HomogenizationOptions options;
+  options.directions = directions_over_half_turn(12);
+  options.equilibrium.out_of_plane = Switch::off;
+  const auto whole = homogenize(weave, options);
+  for (const StopReason reason : {StopReason::deadline, StopReason::memory}) {
+    StopAfterTasks stopper(reason);
+    const auto responses = homogenize(weave, options, {.cancellation = stopper.token, .progress = &stopper});
+    ASSERT_EQ(responses.size(), 12U);
+    int finished = 0;
+    for (std::size_t i = 0; i < responses.size(); ++i) {
+      EXPECT_EQ(responses[i].direction, options.directions[i]);
+      if (responses[i].state.stopped == Stop::converged) {
+        ++finished;
+        EXPECT_EQ(responses[i].youngs_modulus, whole[i].youngs_modulus);
+      } else {
+        EXPECT_EQ(responses[i].state.stopped, reason == StopReason::deadline ? Stop::deadline : Stop::memory);
+        EXPECT_TRUE(std::isnan(responses[i].youngs_modulus) && std::isnan(responses[i].poisson_ratio));
+      }
+    }
+    EXPECT_GE(finished, 3);
+    EXPECT_LT(finished, 12);
+    EXPECT_FALSE(stopper.token.requested()) << "the report goes on";
+  }
+  StopAfterTasks cancelled(StopReason::cancelled);
+  ::supple::testing::expect_cancelled(StopReason::cancelled, [&] {
+    homogenize(weave, options, {.cancellation = cancelled.token, .progress = &cancelled});
+  });
+}
+
+TEST(DeformCells, KeepTheStatesThatWereFinished) {
+  const Weave weave = regular_weave(uniform_block(Connection::fused));
+  std::vector<Eigen::Matrix2d> gradients(10, Eigen::Matrix2d::Identity());
+  for (std::size_t i = 0; i < gradients.size(); ++i) gradients[i](0, 0) += 0.01 * static_cast<double>(i + 1);
+  StopAfterTasks stopper(StopReason::deadline);
+  const auto states = deform_cells(weave, gradients, {}, {}, {.cancellation = stopper.token, .progress = &stopper});
+  int finished = 0;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    if (states[i].stopped == Stop::deadline) continue;
+    ++finished;
+    EXPECT_EQ(states[i].stopped, Stop::converged);
+    EXPECT_LT((states[i].deformation_gradient - gradients[i]).norm(), 1e-12);
+  }
+  EXPECT_GE(finished, 2);
+  EXPECT_LT(finished, 10);
+}
+
 TEST(RegularWeave, AtFortyFiveDegreesIsStiffWhereItIsFusedAndSoftWhereItSlides) {
   // The weave becomes stiffer with each fused crossing of the 2x2 cell.
   ConnectionBlock block = uniform_block(Connection::slides_x);

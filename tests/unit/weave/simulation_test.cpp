@@ -227,6 +227,42 @@ TEST(Simulation, CarriesFramesAndJointsFromStateToState) {
   }
 }
 
+/// Requests a stop once this many tasks or states are finished.
+struct Stopper : ProgressSink {
+  Stopper(StopReason its_reason, double its_fraction) : reason(its_reason), fraction(its_fraction) {}
+  void report(double done, std::string_view stage) override {
+    if (stage == "states" && done >= fraction - 1e-12) token.request(reason);
+  }
+  CancellationToken token;
+  StopReason reason;
+  double fraction;
+};
+
+TEST(Simulation, KeepsTheStatesThatWereFinishedIfTimeOrMemoryRunsOut) {
+  const Weave weave = strand_through_posts();
+  SheetLoad load = posts_held(3);
+  load.states = 6;
+  load.supports.push_back({0, 20, {true, true, true}, {3, 0, 0}});
+  const SimulationResult whole = simulate(weave, load);
+  for (const StopReason reason : {StopReason::deadline, StopReason::memory}) {
+    Stopper stopper(reason, 0.5);
+    const SimulationResult result = simulate(weave, load, {}, {.cancellation = stopper.token, .progress = &stopper});
+    ASSERT_EQ(result.states.size(), 3U);
+    EXPECT_EQ(result.states.back().stopped, reason == StopReason::deadline ? Stop::deadline : Stop::memory);
+    EXPECT_EQ(result.states.front().stopped, Stop::converged);
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(result.states[k].energy, whole.states[k].energy);
+    EXPECT_NE(result.message.find("after the equilibrium under 0.5 of the loads"), std::string::npos) << result.message;
+    EXPECT_FALSE(stopper.token.requested()) << "the report goes on";
+  }
+  Stopper first(StopReason::deadline, 0);
+  ::supple::testing::expect_cancelled(
+      StopReason::deadline, [&] { simulate(weave, load, {}, {.cancellation = first.token, .progress = &first}); });
+  Stopper cancelled(StopReason::cancelled, 0.5);
+  ::supple::testing::expect_cancelled(StopReason::cancelled, [&] {
+    simulate(weave, load, {}, {.cancellation = cancelled.token, .progress = &cancelled});
+  });
+}
+
 TEST(Simulation, RefusesLoadsThatCannotBeImposed) {
   const Weave weave = strand_through_posts();
   const auto places_of = [&](const SheetLoad& load) {

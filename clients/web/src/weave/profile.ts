@@ -38,6 +38,8 @@ export const TERMINATION_WORDS: Record<WeaveStop, string> = {
   iteration_limit: "the smallest load step did not converge",
   step_too_small: "no descent was found, at a limit or a fold",
   folded_flat: "the cell folds flat: no width is left that bears the stress",
+  deadline: "the time ran out",
+  memory: "a limit of memory was reached",
 };
 
 /** The fields of an answer that estimates its errors. */

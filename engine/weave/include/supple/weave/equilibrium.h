@@ -15,6 +15,8 @@ enum class Stop {
   iteration_limit,  ///< the smallest load step did not converge within the iterations allowed
   step_too_small,   ///< no step lowered the energy, for example at a limit point of the load or because of rounding
   folded_flat,      ///< the cell's area fell below 0.001 of its area at rest, so that it has no width to bear stress
+  deadline,         ///< the deadline passed before the equilibrium was found, or after the last one of a sheet
+  memory,           ///< a limit of memory was reached by then
 };
 std::string_view to_string(Stop stop);
 

@@ -62,17 +62,19 @@ struct SheetState {
 };
 
 struct SimulationResult {
-  /// One state for each requested state. If the path ended early there are fewer, and the last one says why.
+  /// One state for each requested state. If the path ended early there are fewer, and the last one says why. If the
+  /// deadline or a limit of memory ended it, the last one is an equilibrium nevertheless.
   std::vector<SheetState> states;
   std::string message;  ///< why it ended early; empty if it did not
   int unknowns = 0;     ///< number of unknowns of the largest system
 };
 
 /// Computes the equilibria of a weave without a lattice along a load path. Each equilibrium starts from the previous
-/// one with all its unknowns and frames. A path that cannot be followed to its end is no error. Throws what `validate`
-/// throws, "weave.invalid_load" (a place that is on no strand or fixed twice, a clamp on a sliding strand, numbers that
-/// are not finite, no supports), and "weave.invalid_option". Each load step takes some Newton iterations, each of which
-/// takes O(n^1.5) for n crossings. Bills every term and the effects.
+/// one with all its unknowns and frames. A path that cannot be followed to its end is no error, and neither is a
+/// deadline or a limit of memory after the first state (the stop is taken back, CancellationToken::resume). Throws what
+/// `validate` throws, "weave.invalid_load" (a place that is on no strand or fixed twice, a clamp on a sliding strand,
+/// numbers that are not finite, no supports), and "weave.invalid_option". Each load step takes some Newton iterations,
+/// each of which takes O(n^1.5) for n crossings. Bills every term and the effects.
 SimulationResult simulate(const Weave& weave, const SheetLoad& load, const EquilibriumOptions& options = {},
                           const Execution& execution = {});
 
