@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 import xml.etree.ElementTree as ElementTree
-from typing import Any, Dict, List
+from typing import Any, Dict, List, Set
 
 import numpy as np
 import pytest
 
+from contract import ROOT
 from harness import Api, pointers, problem_code
 from test_jobs import events, start_job
 
@@ -29,6 +31,53 @@ def report(api: Api, gcode: str, **limits: Any) -> Dict[str, Any]:
 
 def kinds(answer: Dict[str, Any]) -> List[str]:
     return [violation["kind"] for violation in answer["violations"]]
+
+
+def patterns_of_the_page() -> Dict[str, int]:
+    """The patterns that the page offers, with the number of their types, 0 for one without types."""
+    source = (ROOT / "clients" / "web" / "src" / "weave" / "patterns.ts").read_text(encoding="utf-8")
+    table = source[source.index("export const PATTERNS"):source.index("export const PATTERN_IDS")]
+    entries = re.findall(r"^  (\w+): \{.*?types: \[(.*?)\]", table, re.MULTILINE | re.DOTALL)
+    return {name: len(re.findall(r'"[^"]*"', types)) for name, types in entries if name != "layout"}
+
+
+def patterns_of_the_command_line() -> Set[str]:
+    source = (ROOT / "clients" / "cli" / "src" / "weave_arguments.cpp").read_text(encoding="utf-8")
+    return set(re.findall(r'return "(\w+)";', source)) | {"regular"}
+
+
+REGULAR = ["fused", "slides_x", "slides_y", [["fused", "slides_x"], ["slides_y", "fused"]], [["slides_x", "slides_y"], ["slides_y", "slides_x"]]]
+BUILT_IN: List[Dict[str, Any]] = [
+    *({"pattern": "regular", "connections": connections, "sheet": {"columns": 4, "rows": 4}} for connections in REGULAR),
+    *({"pattern": "interlacing_squares", "type": kind, "sheet": {"columns": 3, "rows": 3}, **more} for kind in (1, 2, 3, 4) for more in ({}, {"overlap": 3})),
+    *({"pattern": "interlacing_circles", "type": kind, "sheet": {"columns": 3, "rows": 3}, **more}
+      for kind in (1, 2) for more in ({}, {"circle_radius": 5.5, "distance": 10})),
+    {"pattern": "actuated_rings"}]
+"""Every pattern and type, as a sheet of default lengths and of those with which the page begins; the printed samples have a test of their own."""
+
+
+def test_every_pattern_of_page_and_command_line_is_tried() -> None:
+    tried = {(weave["pattern"], weave.get("type", 0)) for weave in BUILT_IN}
+    for name, types in patterns_of_the_page().items():
+        expected = {(name, 0)} if name in ("regular", "actuated_rings") else {(name, kind + 1) for kind in range(types)}
+        assert expected <= tried, name
+    assert {"regular", "interlacing_squares"} <= patterns_of_the_command_line()
+    assert patterns_of_the_command_line() - {"printed_sample"} <= {name for name, _ in tried}
+
+
+@pytest.mark.parametrize("weave", BUILT_IN, ids=lambda weave: "-".join(str(value) for value in weave.values()))
+def test_every_built_in_pattern_prints_or_says_where_it_does_not(api: Api, weave: Dict[str, Any]) -> None:
+    answer = api.post(TOOLPATHS, {"weave": weave, "include": []})
+    if answer.status_code == 200:
+        assert answer.json()["check"]["violations"] == []
+        return
+    assert problem_code(answer) == "weave.not_printable"
+    crossings = [entry for entry in answer.json()["errors"] if "crossings/" in entry["pointer"] + entry["detail"] or "strands/" in entry["detail"]]
+    assert crossings, answer.json()
+    if weave["pattern"] == "actuated_rings":
+        return
+    fused = {**weave, "connections": "fused"} if weave["pattern"] == "regular" else {**weave, "type": 1}
+    assert api.post(TOOLPATHS, {"weave": fused, "include": []}).status_code == 200, "fused strands need no room"
 
 
 # --- toolpaths -------------------------------------------------------------------------------------------------------

@@ -314,7 +314,7 @@ Part make_part_here(const PartDesign& design) {
   part.lower = extent.lower;
   part.upper = extent.upper;
   part.lost_solids = lost_solids(design, outline, part.faces[0]);
-  part.regions = divided(part.faces[0], design, areas, min_part_side * min_beam_width);
+  if (design.divides_solid) part.regions = divided(part.faces[0], design, areas, min_part_side * min_beam_width);
   return part;
 }
 

@@ -57,7 +57,8 @@ void write(ByteWriter& writer, const PartDesign& design) {
       .number(design.seam)
       .number(design.rim)
       .number(design.smallest_wall)
-      .number(design.thickness);
+      .number(design.thickness)
+      .number(design.divides_solid);
 }
 
 PartDesign read_part_design(ByteReader& reader) {
@@ -78,6 +79,7 @@ PartDesign read_part_design(ByteReader& reader) {
   design.rim = reader.number<Rim>();
   design.smallest_wall = reader.number<double>();
   design.thickness = reader.number<double>();
+  design.divides_solid = reader.number<bool>();
   return design;
 }
 

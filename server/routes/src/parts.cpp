@@ -109,10 +109,12 @@ store::Result compute(const json::PartRequest& request, const tiling::PartDesign
 PreparedComputation prepare_part(const EndpointRequest& asked, const Loader& loader) {
   auto request = json::parse_part(asked.body, loader.limits(), loader.cancellation());
   auto design = design_of(request);
-  return {
-      .deadline = request.deadline,
-      .run = [request = std::move(request), design = std::move(design), format = file_of(part_formats, asked.format)](
-                 const Execution& execution) { return compute(request, design, format, execution); }};
+  const PartFormat* const format = file_of(part_formats, asked.format);
+  design.divides_solid = format != nullptr && format->write == &tiling::part_3mf;
+  return {.deadline = request.deadline,
+          .run = [request = std::move(request), design = std::move(design), format](const Execution& execution) {
+            return compute(request, design, format, execution);
+          }};
 }
 
 }  // namespace

@@ -76,6 +76,7 @@ TEST_F(TilingInHelpers, GivesThePartsMadeHere) {
   design.frame = 0.5;
   design.seam = 0.3;
   design.thickness = 2;
+  design.divides_solid = true;
   const Part there = make_part(design), here = make_part_here(design);
   EXPECT_EQ(there.faces, here.faces);
   EXPECT_EQ(there.lower, here.lower);

@@ -317,6 +317,7 @@ PartDesign three_regions(double gap) {
   PartDesign design = plate("IH21", 1, 1);
   design.outline.clear();
   design.outline_of_regions = true;
+  design.divides_solid = true;
   design.seam = 0.3;
   design.frame = 0.6;
   const Filling filling = design.filling, other{preset_structure("IH29"), 0.3};
@@ -354,7 +355,12 @@ TEST(Part, IsDividedAmongItsRegions) {
   const Filling other{preset_structure("IH29"), 0.3};
   // The second region lies over the first one, and the rest surrounds both.
   design.regions = {{box(2, 2, 15, 18), other, "a & b"}, {box(10, 5, 25, 15), design.filling, "c"}};
+  const Part undivided = make_part(design);
+  EXPECT_TRUE(undivided.regions.empty()) << "only if the design asks for it";
+  design.divides_solid = true;
   const Part part = make_part(design);
+  EXPECT_EQ(part.faces, undivided.faces) << "the whole solid stays the same";
+  EXPECT_EQ(part_stl(part), part_stl(undivided));
   ASSERT_EQ(part.regions.size(), 3U);
   EXPECT_EQ(part.regions[0].name, "a & b");
   EXPECT_EQ(part.regions[2].name, "Rest");

@@ -16,6 +16,7 @@ import { isShareable, readLink, writeLink } from "./link";
 import { pinList } from "./pin_list";
 import { Pins } from "./pins";
 import { printDialog } from "./print_dialog";
+import { PrintCheck } from "./print_check";
 import { PrintSession } from "./print_session";
 import { ProfileCard } from "./profile_card";
 import { WeaveSession } from "./session";
@@ -35,6 +36,7 @@ export function weavePage({ client, link }: PageContext): Page {
   const deformed = new DeformedCell(session, client);
   const sheet = new SheetSession(session, client);
   const print = new PrintSession(session, client);
+  const printCheck = new PrintCheck(session, print.settings, client);
   const dialog = printDialog(print, () => session.state.get().pattern.replace(/_/g, "-"));
   const pins = new Pins(session);
   const draft = new Draft(session);
@@ -53,7 +55,7 @@ export function weavePage({ client, link }: PageContext): Page {
     h("div", { class: "column left" }, weaveControls(session), strandPanel(session, draft), pinList(pins)),
     h("div", { class: "column" },
       h("section", { class: "card", "aria-label": "Layout and deformed cell" }, toolbar(session, pins, share, exportMenu(session, profile, client, dialog.open)),
-        h("div", { class: "panels" }, editor.element, cell)), profile.element, valueTable(session), sheetCard(session, sheet, dialog.open)),
+        h("div", { class: "panels" }, editor.element, cell)), profile.element, valueTable(session), sheetCard(session, sheet, printCheck.words, dialog.open)),
     dialog.element,
   );
 
@@ -83,6 +85,7 @@ export function weavePage({ client, link }: PageContext): Page {
     close() {
       document.removeEventListener("keydown", keys);
       address.close();
+      printCheck.end();
       if (dialog.element.open) dialog.element.close();
     },
     resume(path) {

@@ -6,6 +6,7 @@ import { EffectChips } from "../base/effect_chips";
 import { chipsOf } from "../base/effect_words";
 import { download } from "../base/download";
 import { digits, percent, seconds } from "../base/format";
+import type { Observable } from "../base/observable";
 import { ProgressRow } from "../base/progress_row";
 import { TERMINATION_WORDS } from "./profile";
 import type { WeaveSession } from "./session";
@@ -16,11 +17,12 @@ import { type Lines, SheetViewer } from "./sheet_viewer";
 import { isPeriodic, type LoadKind, MAX_AMOUNT, MAX_CELLS, type SheetState } from "./state";
 import type { Vector } from "./tubes";
 
-/** `print` opens the print dialog. */
-export function sheetCard(session: WeaveSession, sheet: SheetSession, print: () => void): HTMLElement {
+/** `unprintable`: why the sheet cannot be printed, empty otherwise; `print` opens the print dialog. */
+export function sheetCard(session: WeaveSession, sheet: SheetSession, unprintable: Observable<string>, print: () => void): HTMLElement {
   const body = h("div", { class: "sheet-body", hidden: true });
   const stale = h("p", { class: "note", hidden: true }, "The weave or its load has changed since: simulate again.");
   const status = h("div", { class: "status" });
+  const unprinted = h("p", { class: "note", hidden: true });
   const progressRow = new ProgressRow("Progress of the simulation", () => sheet.cancel());
   let view: SheetView | null = null;
 
@@ -37,13 +39,17 @@ export function sheetCard(session: WeaveSession, sheet: SheetSession, print: () 
       stale.hidden = !result || sheetKey(result.state) === sheetKey(session.state.get());
     });
   }
+  unprintable.watch((words) => {
+    unprinted.hidden = words === "";
+    unprinted.textContent = words;
+  });
   sheet.activity.watch((activity) => {
     if (activity.kind === "busy") return progressRow.show(status, activity.words, activity.progress);
     if (activity.kind !== "failed") return replace(status);
     announce(activity.sentence);
     replace(status, h("p", { class: "note" }, activity.sentence));
   });
-  return h("section", { class: "card sheet", "aria-label": "Sheet under load" }, h("h2", {}, "Sheet under load"), sheetControls(session, sheet, print), status, stale, body);
+  return h("section", { class: "card sheet", "aria-label": "Sheet under load" }, h("h2", {}, "Sheet under load"), sheetControls(session, sheet, print), unprinted, status, stale, body);
 }
 
 function sheetControls(session: WeaveSession, sheet: SheetSession, openPrint: () => void): HTMLElement {

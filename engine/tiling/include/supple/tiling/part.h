@@ -49,6 +49,8 @@ struct PartDesign {
   /// scaled are 0.3 mm wide.
   double smallest_wall = 0.2;
   double thickness = 1;  ///< thickness of the extrusion
+  /// Whether the solid is divided among the regions, too (`Part::regions`). Only 3MF needs it. It changes nothing else.
+  bool divides_solid = false;
 };
 
 /// An outline and its solid areas.
@@ -79,7 +81,7 @@ struct RegionSolid {
 struct Part {
   std::vector<SolidFace> faces;  ///< one face, since the solid is connected; none if nothing remains
   /// The same solid, divided among the regions in their order and the rest, which is last; those without solid are left
-  /// out. Empty if the design has no regions.
+  /// out. Empty if the design has no regions, or does not ask for it.
   std::vector<RegionSolid> regions;
   Eigen::Vector2d lower, upper;  ///< the solid's bounding box, mm
   double outline_area = 0;       ///< area within the outline, mm^2
