@@ -120,7 +120,7 @@ export class DesignPage {
   }
 
   async deviation() {
-    return number(await this.page.locator(".result .facts dd").first().textContent());
+    return number((await this.page.locator(".result .facts dd").first().textContent()).replace(/±.*/, ""));
   }
 
   async family() {

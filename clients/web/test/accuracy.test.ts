@@ -4,8 +4,17 @@ import { atLevel, type Capability, estimate, LEVEL_ROWS, LevelMeasures, levelRow
 import { errorWords, estimateSentence, secondsWords, withError } from "../src/base/accuracy_words";
 import { readFields, writeFields } from "../src/base/link_fields";
 
-const row = (level: string, seconds: number | null, error: number | null): LevelRow => ({ capability: "weaves", level, request: {}, seconds, error, error_of: "", why: "" });
-const ROWS = [row("draft", 1, 0.2), row("normal", 2, 0.1), row("sure", null, 0.01)];
+const row = (level: string, seconds: number | null, error: number | null): LevelRow => ({
+  capability: "weaves",
+  level,
+  request: {},
+  task: "",
+  seconds,
+  error,
+  error_of: "",
+  why: "",
+});
+const ROWS = [row("draft", 1, 0.25), row("normal", 2, 0.125), row("sure", null, 0.03125)];
 
 describe("the table of levels", () => {
   it("has all levels of everything that a dial offers, with a sentence about each", () => {
@@ -43,25 +52,25 @@ describe("a request at a level", () => {
 describe("what a level takes", () => {
   it("is what was measured at that level, and scales with it at the others", () => {
     const measures = new LevelMeasures();
-    measures.record("weaves", { level: "normal", seconds: 6, error: 0.025 });
+    measures.record("weaves", { level: "normal", seconds: 6, error: 0.0625 });
     const at = (level: "draft" | "normal" | "sure") => estimate("weaves", level, measures.of("weaves"), ROWS);
-    expect(at("normal")).toEqual({ seconds: 6, error: 0.025, source: "measured" });
-    expect(at("draft")).toEqual({ seconds: 3, error: 0.05, source: "scaled" });
+    expect(at("normal")).toEqual({ seconds: 6, error: 0.0625, source: "measured", errorSource: "measured" });
+    expect(at("draft")).toEqual({ seconds: 3, error: 0.125, source: "scaled", errorSource: "scaled" });
     expect(at("sure")).toMatchObject({ seconds: null, source: "table" });
-    expect(at("sure").error).toBeCloseTo(0.0025);
+    expect(at("sure").error).toBeCloseTo(0.015625);
   });
 
   it("is that of the table before anything was computed", () => {
     const none = new LevelMeasures().of("weaves");
-    expect(estimate("weaves", "draft", none, ROWS)).toEqual({ seconds: 1, error: 0.2, source: "table" });
-    expect(estimate("weaves", "own", none, ROWS)).toEqual({ seconds: null, error: null, source: "measured" });
+    expect(estimate("weaves", "draft", none, ROWS)).toEqual({ seconds: 1, error: 0.25, source: "table", errorSource: "table" });
+    expect(estimate("weaves", "own", none, ROWS)).toEqual({ seconds: null, error: null, source: "measured", errorSource: "measured" });
   });
 
   it("with values of one's own is known only once they were computed, and does not scale the levels", () => {
     const measures = new LevelMeasures();
     measures.record("weaves", { level: "own", seconds: 60, error: null });
     expect(estimate("weaves", "own", measures.of("weaves"), ROWS).seconds).toBe(60);
-    expect(estimate("weaves", "normal", measures.of("weaves"), ROWS)).toEqual({ seconds: 2, error: 0.1, source: "table" });
+    expect(estimate("weaves", "normal", measures.of("weaves"), ROWS)).toEqual({ seconds: 2, error: 0.125, source: "table", errorSource: "table" });
   });
 });
 
@@ -72,12 +81,13 @@ describe("accuracy in words", () => {
   });
 
   it("says whether seconds were measured or are expected", () => {
-    expect(secondsWords({ seconds: 0.42, error: null, source: "measured" })).toBe("420 ms");
-    expect(secondsWords({ seconds: 2.345, error: null, source: "scaled" })).toBe("≈ 2.3 s");
-    expect(estimateSentence("weaves", { seconds: 2, error: 0.1, source: "table" }, "error of the modulus")).toBe(
+    expect(secondsWords({ seconds: 0.42, source: "measured" })).toBe("420 ms");
+    expect(secondsWords({ seconds: 2.345, source: "scaled" })).toBe("≈ 2.3 s");
+    expect(estimateSentence("weaves", { seconds: 2, error: 0.1, source: "table", errorSource: "table" }, "error of the modulus")).toBe(
       "Stiffness: ≈ 2 s by the benchmarks, ± 10 % (error of the modulus).",
     );
-    expect(estimateSentence("weaves", { seconds: null, error: null, source: "table" }, "")).toBe("Stiffness: not measured yet.");
+    expect(estimateSentence("designs", { seconds: 2, error: 0.1, source: "measured", errorSource: "table" }, "")).toBe("Search: 2 s as measured here, ± 10 % in the benchmarks.");
+    expect(estimateSentence("weaves", { seconds: null, error: null, source: "table", errorSource: "table" }, "")).toBe("Stiffness: not measured yet.");
   });
 });
 

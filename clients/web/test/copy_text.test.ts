@@ -28,6 +28,15 @@ describe("a search as text", () => {
     expect(pythonOf(state, origin)).toContain("fixed=[0.3, None]");
   });
 
+  it("asks for the accuracy that was chosen", () => {
+    const sure = { ...state, accuracy: { level: "sure", switches: { trust: "off" } } } as const;
+    expect(JSON.parse(/-d '(.*)'\n$/.exec(curlOf(sure, origin))?.[1] ?? "")).toMatchObject({ effects: { polish: "on", trust: "off" } });
+    expect(commandOf(sure, origin)).toContain(`--polish="on"`);
+    expect(pythonOf(sure, origin)).toMatch(/DesignOptions\(.*polish="on", trust="off"\)/);
+    expect(commandOf({ ...state, accuracy: { level: "draft", switches: {} } }, origin)).toMatch(/--ways-out="off"[^]*--tolerance="0.0001"[^]*--starts="1"/);
+    expect(commandOf(state, origin)).not.toMatch(/--(polish|trust|starts|tolerance)/);
+  });
+
   it("begins with what a simulation has said of the design, as a comment", () => {
     const said = "Simulated: 45 % off. The plateau is reached from 8 to 20 %, the rise is missed from 0 to 8 % (62 % off).";
     for (const write of [curlOf, commandOf, pythonOf]) {

@@ -21,6 +21,15 @@ describe("a link", () => {
     expect(readLink(writeLink(bare))).toEqual(bare);
   });
 
+  it("brings the accuracy back, which is that of the page and not of a region", () => {
+    const accuracy = { level: "sure", switches: { trust: "off" } } as const;
+    expect(readLink(writeLink({ ...state, accuracy }))).toEqual({ ...state, accuracy });
+    const { accuracy: _, otherRegions: __, regionAt: ___, ...region } = state;
+    const regions: DesignState = { ...state, accuracy, otherRegions: [{ ...region, region: "Heel" }] };
+    expect(readLink(writeLink(regions))).toEqual(regions);
+    expect(writeLink(regions).match(/accuracy/g)).toHaveLength(1);
+  });
+
   it.each([
     "",
     "task=juggling",

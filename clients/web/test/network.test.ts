@@ -161,6 +161,20 @@ describe("what is written by hand", () => {
   });
 });
 
+describe("the accuracy of a relaxation", () => {
+  const network = { points: [], positions: [], pairs: [], triangles: [] };
+  const asked = (state: NetworkState) => relaxationRequest(MESH, state, network).accuracy;
+
+  it("is that of its level, and that of its own values only where these are chosen", () => {
+    const own: NetworkState = { ...DEFAULT_NETWORK, tolerance: 0.1, mollifierLength: 0.01 };
+    expect(asked(own)).toEqual({ tolerance: 1e-9, mollifier_length: 1e-6 });
+    expect(asked({ ...own, accuracy: { level: "sure", switches: {} } })).toEqual({ tolerance: 1e-12, mollifier_length: 1e-6 });
+    expect(asked({ ...own, accuracy: { level: "own", switches: {} } })).toEqual({ tolerance: 0.1, mollifier_length: 0.01 });
+    const draft: NetworkState = { ...own, accuracy: { level: "draft", switches: {} } };
+    expect([asked(draft)?.tolerance, asked({ ...draft, host: { ...draft.host, kind: "shell" } })?.tolerance]).toEqual([1e-3, 1e-4]);
+  });
+});
+
 describe("a link with a network", () => {
   it("brings it back", () => {
     const points = [...network.points];
@@ -178,6 +192,7 @@ describe("a link with a network", () => {
       restLength: 2,
       weight: 1,
       springLength: "euclidean",
+      accuracy: { level: "own", switches: {} },
       mollifier: "on",
       mollifierLength: 0.1,
       keptStrips: "off",

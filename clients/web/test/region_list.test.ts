@@ -1,4 +1,5 @@
 import { describe, expect, it } from "vitest";
+import { NORMAL } from "../src/base/accuracy_choice";
 import { commandOf, curlOf, pythonOf } from "../src/design/copy_text";
 import { readLink, writeLink } from "../src/design/link";
 import { MAX_REGIONS, regionOf, regionsOf, regionWords, withRegions } from "../src/design/region_list";
@@ -49,7 +50,7 @@ describe("several regions", () => {
   });
 
   it("are copied with their targets in the order of the tabs", () => {
-    const state = withRegions(all, 2);
+    const state = { ...withRegions(all, 2), accuracy: NORMAL };
     const body = JSON.parse(/-d '(.*)'\n$/.exec(curlOf(state, origin))?.[1] ?? "");
     expect(body.regions[1]).toMatchObject({ direction: 0, also: [{ direction: 1.5 }] });
     expect(JSON.parse(/<<'END'\n(.*)\nEND\n/.exec(commandOf(state, origin))?.[1] ?? "")).toEqual(body);
@@ -61,13 +62,13 @@ describe("several regions", () => {
   });
 
   it("are in a link, and a broken one is no link", () => {
-    const state = withRegions(all, 2);
+    const state = { ...withRegions(all, 2), accuracy: NORMAL };
     expect(readLink(writeLink(state))).toEqual(state);
     expect(readLink(writeLink(state).replace("region-tab=3", "region-tab=x"))?.regionAt).toBe(0);
     expect(readLink(writeLink(state).replace("region2=task", "region2=tusk"))).toBeNull();
     const one = encodeURIComponent("task=stress_strain&points=0,0;1,1");
     const many = Array.from({ length: 30 }, (_, k) => `region${k + 1}=${one}`).join("&");
     expect(regionsOf(readLink(many) ?? DEFAULT_STATE)).toHaveLength(MAX_REGIONS);
-    expect(writeLink(withRegions([forefoot], 0))).toMatch(/^task=stress_strain&.*region=Forefoot/);
+    expect(writeLink({ ...withRegions([forefoot], 0), accuracy: NORMAL })).toMatch(/^task=stress_strain&.*region=Forefoot/);
   });
 });

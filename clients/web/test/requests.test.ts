@@ -14,6 +14,14 @@ describe("a search", () => {
     expect(follow).toMatchObject({ family: "IH21", initial: [0.12, 0.7], effects: { multi_start: "off", envelope: "off" } });
   });
 
+  it("has the chosen accuracy and effects where it is thorough, and is quick while a pointer is followed", () => {
+    const sure = { level: "sure", switches: { trust: "off" } } as const;
+    expect(designRequest(state, "search", "s", sure).effects).toEqual({ multi_start: "automatic", envelope: "on", polish: "on", trust: "off" });
+    expect(designRequest(state, "follow", "s", sure)).toEqual(designRequest(state, "follow", "s"));
+    expect(designRequest(state, "search", "s", { level: "draft", switches: {} })).toMatchObject({ accuracy: { starts: 1 }, effects: { envelope: "off" } });
+    expect(patchRequest({ ...state, accuracy: sure }, found)).not.toHaveProperty("effects");
+  });
+
   it("starts from the design at hand only in its own family", () => {
     expect(designRequest({ ...state, family: "IH29" }, "search", "s").initial).toBeUndefined();
     expect(designRequest({ ...state, family: "IH21" }, "search", "s").initial).toEqual([0.12, 0.7]);

@@ -26,7 +26,14 @@ describe("the state of a diagram", () => {
       pieces: true,
       statistics: false,
     });
-    expect(diagramRequest(MESH, { ...DEFAULT_VORONOI, exactness: "bounded" }, SITES, true).accuracy).toEqual({ method: "bounded", relative_error: 0.01, border_deviation: 1e-5 });
+    const own = { ...DEFAULT_VORONOI, accuracy: { level: "own", switches: {} }, exactness: "bounded" } as const;
+    expect(diagramRequest(MESH, own, SITES, true).accuracy).toEqual({ method: "bounded", relative_error: 0.01, border_deviation: 1e-5 });
+  });
+
+  it("asks for what its level does, whatever its values of one's own are", () => {
+    const sure = { ...DEFAULT_VORONOI, accuracy: { level: "sure", switches: {} }, exactness: "edges", deviation: 0.5, tolerance: 0.1 } as const;
+    expect(diagramRequest(MESH, sure, SITES, true).accuracy).toEqual({ method: "exact", border_deviation: 1e-7 });
+    expect(optimizationRequest(MESH, sure, SITES).accuracy).toEqual({ tolerance: 1e-9, border_deviation: 1e-5 });
   });
 
   it("asks for objectives of some weight alone, and for a length of edges where they count", () => {

@@ -17,7 +17,7 @@ export const NORMAL: AccuracyChoice = { level: "normal", switches: {} };
 /** The effects that a page switches, by what is computed. */
 export const SWITCHED_EFFECTS: Readonly<Partial<Record<Capability, readonly string[]>>> = {
   designs: ["multi_start", "trust", "envelope"],
-  weaves: ["buckling"],
+  weaves: ["buckling", "error_estimate"],
 };
 
 /** The switches of a choice that belong to what is computed. */

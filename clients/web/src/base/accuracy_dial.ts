@@ -46,7 +46,8 @@ export class AccuracyDial {
 
   set value(level: Choice) {
     this.level = level;
-    const input = this.inputs.get(level);
+    // A link may choose values of one's own where there are none.
+    const input = this.inputs.get(level) ?? this.inputs.get("normal");
     if (input) input.checked = true;
     this.update();
   }
@@ -62,6 +63,7 @@ export class AccuracyDial {
       detail.textContent = [secondsWords(known), errorWords(known.error)].filter((words) => words).join(", ");
     }
     this.words.textContent = parts.map((part) => this.sentence(part)).join(" ");
+    this.words.title = levelRow(parts[0], this.level)?.task ?? "";
   }
 
   private sentence(capability: Capability): string {

@@ -12,6 +12,8 @@ export interface LevelRow {
   readonly level: string;
   /** The members `accuracy` and `effects` of a request, of which each takes the place of the request's own. */
   readonly request: object;
+  /** The reference task, in words. */
+  readonly task: string;
   /** Of the reference task; null where nobody has measured it. */
   readonly seconds: number | null;
   /** Dimensionless; 0 is below rounding, null unknown. */
@@ -73,17 +75,26 @@ export interface Estimate {
   readonly error: number | null;
   /** `measured`: this machine has just taken that long; `scaled`: it has computed at another level; `table`: it has computed nothing yet. */
   readonly source: "measured" | "scaled" | "table";
+  /** Where the error is from. */
+  readonly errorSource: "measured" | "scaled" | "table";
 }
 
 /** What a level takes on this machine and how far off it is, by what was computed last where something was, otherwise by the table. */
 export function estimate(capability: Capability, level: AccuracyChoice["level"], { ofLevel, own }: LastMeasured, rows = LEVEL_ROWS): Estimate {
-  if (level === "own") return { seconds: own?.seconds ?? null, error: own?.error ?? null, source: "measured" };
+  if (level === "own") return { seconds: own?.seconds ?? null, error: own?.error ?? null, source: "measured", errorSource: "measured" };
   const row = levelRow(capability, level, rows);
-  if (ofLevel?.level === level) return { seconds: ofLevel.seconds, error: ofLevel.error ?? row?.error ?? null, source: "measured" };
+  if (ofLevel?.level === level) {
+    return { seconds: ofLevel.seconds, error: ofLevel.error ?? row?.error ?? null, source: "measured", errorSource: ofLevel.error === null ? "table" : "measured" };
+  }
   const known = ofLevel && levelRow(capability, ofLevel.level, rows);
   const seconds = scaled(row?.seconds, known?.seconds, ofLevel?.seconds);
   const error = scaled(row?.error, known?.error, ofLevel?.error);
-  return { seconds: seconds ?? row?.seconds ?? null, error: error ?? row?.error ?? null, source: seconds === null ? "table" : "scaled" };
+  return {
+    seconds: seconds ?? row?.seconds ?? null,
+    error: error ?? row?.error ?? null,
+    source: seconds === null ? "table" : "scaled",
+    errorSource: error === null ? "table" : "scaled",
+  };
 }
 
 /** A value of the table times what was measured over the table's value of it; null where one of them is unknown or 0. */

@@ -17,7 +17,7 @@ export function withError(words: string, error: number | null | undefined): stri
   return told === "" || told === "exact" ? words : `${words} ${told}`;
 }
 
-export function secondsWords({ seconds: time, source }: Estimate): string {
+export function secondsWords({ seconds: time, source }: Pick<Estimate, "seconds" | "source">): string {
   if (time === null) return "";
   return source === "measured" ? seconds(time) : `≈ ${seconds(Number(time.toPrecision(2)))}`;
 }
@@ -44,6 +44,7 @@ export const CAPABILITY_WORDS: Record<Capability, string> = {
 export function estimateSentence(capability: Capability, known: Estimate, errorOf: string): string {
   const time = secondsWords(known);
   const error = errorWords(known.error);
-  const parts = [time && `${time} ${SOURCE_WORDS[known.source]}`, error && `${error}${errorOf && ` (${errorOf})`}`].filter((part) => part);
+  const where = known.errorSource === "table" && (known.source !== "table" || time === "") ? " in the benchmarks" : "";
+  const parts = [time && `${time} ${SOURCE_WORDS[known.source]}`, error && `${error}${where}${errorOf && ` (${errorOf})`}`].filter((part) => part);
   return `${CAPABILITY_WORDS[capability]}: ${parts.length > 0 ? parts.join(", ") : "not measured yet"}.`;
 }

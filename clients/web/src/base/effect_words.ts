@@ -140,10 +140,11 @@ export function errorChip(effect: string, name: string, error: number | null | u
   }];
 }
 
-/** The errors that an answer states. A weave has two, of which that of the modulus is the one that counts. */
+/** The errors that an answer states. Weaves have several, of which that of the modulus counts, or that of the forces on a sheet. */
 function errorChips(accuracy: Readonly<Record<string, unknown>>): Chip[] {
   const { discretization_error: found } = accuracy;
-  const error = typeof found === "object" && found !== null ? (found as { youngs_modulus?: unknown }).youngs_modulus : found;
+  const { youngs_modulus, reactions } = (typeof found === "object" && found !== null ? found : {}) as Readonly<Record<string, unknown>>;
+  const error = typeof found === "object" && found !== null ? (youngs_modulus ?? reactions) : found;
   return errorChip("discretization", "discretization", error === null || typeof error === "number" ? error : undefined);
 }
 

@@ -10,7 +10,7 @@ import { targetsOf, withTargets } from "./target_list";
 /** The request of a search of this state, without an editing session: all targets in the order of their tabs, and all regions. */
 export function searchOf(state: DesignState): DesignRequest {
   const regions = regionsOf(state).map((region) => ({ ...region, ...withTargets(targetsOf(region), 0) }));
-  const { session: _, ...request } = regions.length > 1 ? regionsRequest(regions, "") : designRequest(regions[0], "search", "");
+  const { session: _, ...request } = regions.length > 1 ? regionsRequest(regions, "", state.accuracy) : designRequest(regions[0], "search", "", state.accuracy);
   return request;
 }
 
@@ -50,6 +50,11 @@ export function commandOf(state: DesignState, origin: string, verdict: string | 
     ...option("fixed", request.fixed?.map((value) => value ?? "free").join(",")),
     ...option("multi-start", request.effects?.multi_start),
     ...option("envelope", request.effects?.envelope),
+    ...option("trust", request.effects?.trust),
+    ...option("polish", request.effects?.polish),
+    ...option("ways-out", request.effects?.ways_out),
+    ...option("tolerance", request.accuracy?.tolerance),
+    ...option("starts", request.accuracy?.starts),
   ];
   return `${comment(verdict)}supple --server ${origin} design \\\n  ${parts.join(" \\\n  ")}\n`;
 }
@@ -120,9 +125,9 @@ function pythonRegion(region: RequestedRegion): string {
 
 export function pythonOf(state: DesignState, origin: string, verdict: string | null = null): string {
   const request = searchOf(state);
-  const { effects, also = [], regions } = request as { effects?: { multi_start?: string; envelope?: string }; also?: RequestedTarget[]; regions?: RequestedRegion[] };
+  const { effects = {}, accuracy = {}, also = [], regions } = request as Pick<DesignRequest, "effects" | "accuracy"> & { also?: RequestedTarget[]; regions?: RequestedRegion[] };
   const head = [...(verdict === null ? [] : [comment(verdict).trimEnd()]), "import supple", "", `client = supple.Client(${pythonLiteral(origin)})`];
-  const options = `options = supple.DesignOptions(${keywordArguments({ multi_start: effects?.multi_start, envelope: effects?.envelope })})`;
+  const options = `options = supple.DesignOptions(${keywordArguments({ ...effects, ...accuracy })})`;
   if (regions) {
     return [
       ...head,

@@ -1,4 +1,5 @@
 // The state as the text of a link: short, readable, and checked when it is read, since links come from anywhere.
+import { readChoice, writeChoice } from "../base/accuracy_choice";
 import { plain } from "../base/format";
 import { choiceOf, type Fields, numberOf, readFields, writeFields } from "../base/link_fields";
 import { type FoundSpecification, isRange, searchesModulus, type Specification, writeSpecification, readSpecification } from "./specification";
@@ -12,9 +13,10 @@ const MAX_VALUE = 1e6;
 
 export function writeLink(state: DesignState): string {
   const regions = regionsOf(state);
-  if (regions.length === 1) return regionText(state);
+  const accuracy = writeChoice(state.accuracy);
+  if (regions.length === 1) return [regionText(state), ...(accuracy.length > 0 ? [writeFields(accuracy)] : [])].join("&");
   const fields = regions.map((region, k) => [`region${k + 1}`, encodeURIComponent(regionText(region))] as const);
-  return writeFields([...fields, ["region-tab", String(state.regionAt + 1)]]);
+  return writeFields([...fields, ["region-tab", String(state.regionAt + 1)], ...accuracy]);
 }
 
 function regionText(state: Region): string {
@@ -58,9 +60,10 @@ export function readLink(text: string): DesignState | null {
     if (!region) return null;
     regions.push(region);
   }
-  if (regions.length > 0) return withRegions(regions, numberOf(fields.get("region-tab"), 1, regions.length, 1) - 1);
+  const accuracy = readChoice(fields);
+  if (regions.length > 0) return { ...withRegions(regions, numberOf(fields.get("region-tab"), 1, regions.length, 1) - 1), accuracy };
   const only = readRegion(fields);
-  return only && withRegions([only], 0);
+  return only && { ...withRegions([only], 0), accuracy };
 }
 
 function readRegion(fields: Fields): Region | null {

@@ -50,7 +50,7 @@ export class Pins {
     const off = source === "simulation" && deviation !== null ? `${percent(deviation)} off, simulated` : `${percent(shown.deviation)} off`;
     const name = `${state.found.family}, ${TASK_WORDS[state.task].short.toLowerCase()}, ${off}`;
     // Only the selected region is pinned.
-    this.insert(name, { ...withRegions([regionOf(state)], 0), found: state.found });
+    this.insert(name, { ...withRegions([regionOf(state)], 0), accuracy: state.accuracy, found: state.found });
     this.store();
   }
 

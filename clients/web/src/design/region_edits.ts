@@ -18,7 +18,7 @@ export class RegionEdits {
     const { all } = this;
     if (at === session.state.get().regionAt || at < 0 || at >= all.length) return;
     session.leaveRegion();
-    session.edited.amend(withRegions(all, at));
+    session.edited.amend({ ...session.state.get(), ...withRegions(all, at) });
     this.enter();
   }
 

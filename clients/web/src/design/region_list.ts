@@ -1,6 +1,6 @@
 // Regions of a product, each with its own design. A state has the fields of the selected region itself and the others in a list;
 // these functions convert between a state and the list of all regions.
-import type { DesignState, Region } from "./state";
+import type { Product, Region } from "./state";
 import { targetOf } from "./target_list";
 
 /** Limit of the page; a request may have 20. */
@@ -14,13 +14,13 @@ export function regionOf(state: Region): Region {
 }
 
 /** All regions in the order of their tabs. */
-export function regionsOf(state: DesignState): readonly Region[] {
+export function regionsOf(state: Product): readonly Region[] {
   const { otherRegions, regionAt } = state;
   return [...otherRegions.slice(0, regionAt), regionOf(state), ...otherRegions.slice(regionAt)];
 }
 
-/** The state that has these regions, with region `at` selected. */
-export function withRegions(regions: readonly Region[], at: number): DesignState {
+/** The product that has these regions, with region `at` selected. */
+export function withRegions(regions: readonly Region[], at: number): Product {
   const place = Math.max(0, Math.min(Math.round(at), regions.length - 1));
   return { ...regions[place], otherRegions: regions.filter((_, k) => k !== place), regionAt: place };
 }

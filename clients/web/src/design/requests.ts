@@ -1,4 +1,6 @@
 // The requests of the design page, made from its state.
+import { type AccuracyChoice, NORMAL } from "../base/accuracy_choice";
+import { atLevel } from "../base/accuracy_levels";
 import type { DesignRequest, ProfileRequest, SimulationRequest, StructureRequest } from "../contract/types";
 import { DEFAULT_SPECIFICATION, isRange, type Specification, specificationFields, modulusOf, orientationOf, withFoundValues } from "./specification";
 import { ANY, type DesignState, type TilingDesign, isPolar, type ProfileKind, type Region, type Target } from "./state";
@@ -71,21 +73,22 @@ function problemOf(region: Region, effort: Effort): Problem {
 const SEARCH: Pick<DesignRequest, "effects" | "accuracy"> = { effects: { multi_start: "automatic", envelope: "on" }, accuracy: {} };
 const FOLLOW: Pick<DesignRequest, "effects" | "accuracy"> = { effects: { multi_start: "off", envelope: "off" }, accuracy: { tolerance: 1e-4, max_iterations: 20 } };
 
-/** The request for the design of one region. */
-export function designRequest(state: Region, effort: Effort, session: string): DesignRequest {
+/** The request for the design of one region. Only a thorough search has the chosen accuracy: a quick one is to follow the pointer. */
+export function designRequest(state: Region, effort: Effort, session: string, accuracy: AccuracyChoice = NORMAL): DesignRequest {
   const problem = problemOf(state, effort);
-  return { ...problem, ...(effort === "follow" && problem.initial ? FOLLOW : SEARCH), session };
+  if (effort === "follow") return { ...problem, ...(problem.initial ? FOLLOW : SEARCH), session };
+  return atLevel({ ...problem, ...SEARCH, session }, "designs", accuracy);
 }
 
 /** The request for the designs of all regions. Designs that were set by hand are fixed. */
-export function regionsRequest(regions: readonly Region[], session: string): DesignRequest {
+export function regionsRequest(regions: readonly Region[], session: string, accuracy: AccuracyChoice = NORMAL): DesignRequest {
   const problems = regions.map((region, place): Problem => {
     const { found, byHand } = region;
     const fixedDesign = found && byHand ? { family: found.family, initial: [...found.parameters], fixed: [...found.parameters] } : {};
     const asked = found && byHand ? { ...region, made: withFoundValues(region.made, found) } : region;
     return { name: regionWords(region, place), ...problemOf(asked, "search"), ...fixedDesign };
   });
-  return { regions: problems, ...SEARCH, session };
+  return atLevel({ regions: problems, ...SEARCH, session }, "designs", accuracy);
 }
 
 /** The request for a design's profile at the samples of the state's target. */
@@ -148,6 +151,14 @@ export function patchDirection({ task, direction, made }: DesignState, found: Ti
   return (isPolar(task) ? 0 : direction) - orientationOf(made, found);
 }
 
+/** The mesh is uniform and not refined, since the result is a picture, unless its error is to be known. */
+const PATCH_SETTINGS: Record<AccuracyChoice["level"], Pick<SimulationRequest, "accuracy" | "effects">> = {
+  draft: { accuracy: { mesh_size: 1 }, effects: { refinement: "off" } },
+  normal: { accuracy: { mesh_size: 0.5 }, effects: { refinement: "off" } },
+  own: { accuracy: { mesh_size: 0.5 }, effects: { refinement: "off" } },
+  sure: { accuracy: { mesh_size: 0.5 } },
+};
+
 /** The request to simulate the deformed patch: from rest to the largest strain, then from rest to the smallest. */
 export function patchRequest(state: DesignState, found: TilingDesign): SimulationRequest {
   const strains = isPolar(state.task) ? [state.strain] : state.points.map((point) => point[0]);
@@ -163,9 +174,7 @@ export function patchRequest(state: DesignState, found: TilingDesign): Simulatio
     load: { uniaxial: { direction: patchDirection(state, found), frame: "material", stretches } },
     tangents: false,
     deformed: "json",
-    // The mesh is uniform and not refined, since the result is only a picture.
-    accuracy: { mesh_size: 0.5 },
-    effects: { refinement: "off" },
+    ...PATCH_SETTINGS[state.accuracy.level],
   } as SimulationRequest;
 }
 

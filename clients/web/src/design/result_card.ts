@@ -1,6 +1,10 @@
 // The card of the result: how close the design comes to its targets, and advice if it does not come close.
+import { SWITCHED_EFFECTS } from "../base/accuracy_choice";
+import { withError } from "../base/accuracy_words";
 import { button } from "../base/controls";
 import { h, replace } from "../base/dom";
+import { EffectChips } from "../base/effect_chips";
+import { chipsOf, outdated } from "../base/effect_words";
 import { degrees, digits, percent, seconds } from "../base/format";
 import { icon } from "../base/icons";
 import type { DesignStop } from "../contract/types";
@@ -9,7 +13,7 @@ import type { Overlays } from "./overlays";
 import { rankingList } from "./ranking_list";
 import { relaxation } from "./reach";
 import type { DesignSession } from "./session";
-import { freshness, type Measures, type ModelError, modelError, sameRequirements, type TargetResponse } from "./shown";
+import { freshness, type Measures, type ModelError, modelError, modelUncertainty, sameRequirements, type TargetResponse } from "./shown";
 import { type DesignState, isPolar, TASK_WORDS } from "./state";
 import { targetWords } from "./target_list";
 import type { Background } from "./background";
@@ -39,7 +43,7 @@ export function resultCard(session: DesignSession, overlays: Overlays, verificat
     return found.kind === "found" ? found.ways.length === 0 : !background.isOn.get();
   };
   const body = h("div", { class: "dims" });
-  const element = h("section", { class: "card result", "aria-label": "Design found" }, h("h2", {}, "Design"), body, rankingList(session, overlays, verification));
+  const element = h("section", { class: "card result", "aria-label": "Design found" }, h("h2", {}, "Design"), body, effects(session), rankingList(session, overlays, verification));
   let drawn = "";
   let last: TargetResponse | null = null;
   let lastKnown: unknown = null;
@@ -59,12 +63,26 @@ export function resultCard(session: DesignSession, overlays: Overlays, verificat
     const judgement = judgedResponse(session, verification, shown);
     const label = fresh === "current" ? chip(shown, judgedDesign(session, verification, shown)) : h("span", { class: "chip plain" }, waitingWords(session));
     replace(body, h("div", { class: "headline" }, h("strong", { class: "family" }, shown.found.family), label), targetList(session, verification, shown),
-      facts(shown, error, judgement), ...notes(shown, judgement),
+      facts(shown, error, judgement, judgement.source === "simulation" ? (verification.simulated?.mesh ?? null) : modelUncertainty(shown)), ...notes(shown, judgement),
       ...(fresh === "current" && !shown.provisional && !shown.byHand && judgement.grade !== "reached" ? [advice(session, shown, nothingElseHelps())] : []));
   }
 
   for (const part of [session.results.shown, session.state, session.search.activity, verification.simulations.list, waysOut.state, background.isOn]) part.watch(show);
   return element;
+}
+
+/** The effects of the last search, which can be switched. */
+function effects(session: DesignSession): HTMLElement {
+  const chips = new EffectChips("What the search did", (effect, value) => session.setEffect(effect, value));
+  function show(): void {
+    const { switches } = session.state.get().accuracy;
+    const settings = Object.fromEntries((SWITCHED_EFFECTS.designs ?? []).map((name) => [name, switches[name] ?? "automatic"] as const));
+    const shown = session.results.shown.get();
+    const known = chipsOf(shown?.effects ?? [], settings);
+    chips.show(shown && session.results.isCurrent && !shown.provisional ? known : outdated(known));
+  }
+  for (const part of [session.results.shown, session.state]) part.watch(show);
+  return chips.element;
 }
 
 /** The deviation from each target, if there are several. */
@@ -118,12 +136,13 @@ function chip(shown: TargetResponse, judgement: Judgement): HTMLElement {
   return h("span", { class: `chip ${kind}` }, kind === "good" && icon("check"), labelOf(shown, judgement));
 }
 
-function facts(shown: TargetResponse, error: ModelError | null, judgement: Judgement): HTMLElement {
+/** `uncertainty`: by how much the deviation may be off; null if that is not known. */
+function facts(shown: TargetResponse, error: ModelError | null, judgement: Judgement, uncertainty: number | null): HTMLElement {
   const { unit } = TASK_WORDS[shown.task];
   const isSimulated = judgement.source === "simulation" && judgement.deviation !== null;
   const of = shown.targets.length > 1 ? "Target in sight" : "Deviation";
   const rows: [string, string][] = [
-    [isSimulated ? `${of}, simulated (rms)` : `${of} (rms)`, percent(deviationFrom(shown, judgement))],
+    [isSimulated ? `${of}, simulated (rms)` : `${of} (rms)`, withError(percent(deviationFrom(shown, judgement)), uncertainty)],
     ...(isSimulated ? [["By the model (rms)", percent(shown.deviation)] as [string, string]] : []),
     ["Largest", `${digits(shown.largest)}${unit && ` ${unit}`}`],
     ["Parameters", shown.found.parameters.map((value) => digits(value, 4)).join(", ")],

@@ -1,5 +1,6 @@
 // Searches for designs that have the targets of the state. Only the answer to the newest state counts.
-import type { Observable } from "../base/observable";
+import { LevelMeasures } from "../base/accuracy_levels";
+import { Observable } from "../base/observable";
 import type { EditedState } from "../base/edited_state";
 import { type Client, Problem } from "../contract/client";
 import { type Activity, JobRunner, type Run } from "../contract/runner";
@@ -24,10 +25,20 @@ export interface SearchWork {
 export type SearchActivity = Activity<SearchWork>;
 type SearchRun = Run<SearchWork>;
 
-type RegionsAnswer = { readonly regions: readonly Design[] } & Pick<DesignAnswer, "cost">;
+type RegionsAnswer = { readonly regions: readonly Design[] } & Pick<DesignAnswer, "cost" | "effects">;
+
+/** An answer whose design was simulated, and the state for which it was searched. */
+export interface SimulatedAnswer {
+  readonly answer: DesignAnswer;
+  readonly asked: DesignState;
+}
 
 export class Search {
   readonly activity: Observable<SearchActivity>;
+  /** What the last searches took. */
+  readonly measures = new LevelMeasures();
+  /** The last answer of a search that simulates, as the surest does. */
+  readonly simulated = new Observable<SimulatedAnswer | null>(null);
   private readonly runner: JobRunner<SearchWork>;
   /** Name of the editing session: on the server, a search replaces the earlier ones of the same session. */
   private readonly name = `web-${crypto.getRandomValues(new Uint32Array(3)).join("-")}`;
@@ -85,12 +96,13 @@ export class Search {
   /** Searches for the designs of all regions in one request. */
   searchRegions(): void {
     const { epoch } = this;
-    const regions = regionsOf(this.edited.state.get());
+    const { accuracy, ...product } = this.edited.state.get();
+    const regions = regionsOf(product);
     this.runner.follow(async (run) => {
       this.effort = "search";
       run.tell({ effort: "search", stage: "" });
       const onJob = ({ progress, stage }: Job): void => run.tell({ effort: "search", stage }, progress);
-      const answer = await run.job<RegionsAnswer>(PATH, regionsRequest(regions, this.name), { wait: IMMEDIATE_SECONDS, onJob });
+      const answer = await run.job<RegionsAnswer>(PATH, regionsRequest(regions, this.name, accuracy), { wait: IMMEDIATE_SECONDS, onJob });
       if (epoch === this.epoch) this.acceptRegions(answer, regions);
     }, (error) => this.fail(error, "search"), true);
   }
@@ -109,12 +121,15 @@ export class Search {
 
   private async search(state: DesignState, effort: Effort, epoch: number, run: SearchRun): Promise<void> {
     run.tell({ effort, stage: "" });
-    const request = designRequest(state, effort, this.name);
+    const request = designRequest(state, effort, this.name, state.accuracy);
     const answer = await (effort === "follow" ? run.post<DesignAnswer>(PATH, request)
       : run.job<DesignAnswer>(PATH, request, { wait: IMMEDIATE_SECONDS, onJob: (job) => this.showProgress(job, state, run) }));
     if (epoch !== this.epoch) return;
     this.setDesign(designOf(answer, state));
     this.results.accept(answer, state);
+    if (effort === "follow") return;
+    this.measures.record("designs", { level: state.accuracy.level, seconds: answer.cost.seconds, error: null });
+    if (answer.profile.verified) this.simulated.set({ answer, asked: state });
   }
 
   private async computeByHand(state: DesignState, found: TilingDesign, epoch: number, run: SearchRun): Promise<void> {
@@ -139,10 +154,10 @@ export class Search {
 
   private acceptRegions(answer: RegionsAnswer, asked: readonly Region[]): void {
     const state = this.edited.state.get();
-    const designs = asked.map((_, k): CostedDesign => ({ ...answer.regions[k], cost: answer.cost }));
+    const designs = asked.map((_, k): CostedDesign => ({ ...answer.regions[k], cost: answer.cost, effects: answer.effects }));
     this.results.cacheDesigns(designs, asked);
     const regions = regionsOf(state).map((region, k): Region => ({ ...region, found: designOf(designs[k], asked[k]), fixed: fixedOf(region, designs[k]) }));
-    this.edited.amend(withRegions(regions, state.regionAt));
+    this.edited.amend({ ...state, ...withRegions(regions, state.regionAt) });
     this.results.showCached();
   }
 

@@ -1,8 +1,9 @@
 // The design session: the state, its changes, and what belongs to it. It does not depend on elements of the page.
 import type { Curve } from "../base/curve";
+import { rememberedLevel, withSwitch } from "../base/accuracy_choice";
 import { EditedState } from "../base/edited_state";
 import type { Client } from "../contract/client";
-import type { DesignCandidate } from "../contract/types";
+import type { DesignCandidate, EffectSwitch } from "../contract/types";
 import { Catalogue } from "./catalogue";
 import { firstState } from "./opening";
 import { profileOf } from "./properties";
@@ -33,10 +34,20 @@ export class DesignSession {
   async start(linked: DesignState | null): Promise<void> {
     await this.catalogue.load(this.client);
     if (this.catalogue.models.length === 0) return;
-    const state = linked && this.catalogue.serves(linked) ? linked : await firstState(this.client, this.catalogue);
+    const state = linked && this.catalogue.serves(linked) ? linked : await this.firstState();
     this.edited.begin(state);
     this.search.refresh("search");
     void this.search.showStart(state);
+  }
+
+  private async firstState(): Promise<DesignState> {
+    const state = await firstState(this.client, this.catalogue);
+    return { ...state, accuracy: { ...state.accuracy, level: rememberedLevel("design") } };
+  }
+
+  /** Changes when an effect of searches runs. */
+  setEffect(effect: string, value: EffectSwitch): void {
+    this.apply({ accuracy: withSwitch(this.state.get().accuracy, effect, value) });
   }
 
   /** All targets, in the order of their tabs. */

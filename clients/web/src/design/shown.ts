@@ -1,5 +1,5 @@
 // The responses of a design to its targets, in the form that plot, cards and exports show. They are made from several kinds of answers.
-import type { Design, DesignCandidate, DesignStop, Model, PartialDesign, Profile, StructureAnswer } from "../contract/types";
+import type { Design, DesignCandidate, DesignStop, Effect, Model, PartialDesign, Profile, StructureAnswer } from "../contract/types";
 import { foundSpecification, isRange, searchesModulus, type Specification, materialOf, modulusOf, orientationOf, sameSpecification } from "./specification";
 import { type TilingDesign, isPolar, type ProfileKind, sameProfile, type Region, type Target } from "./state";
 import { relativeDeviation, targetCurve } from "./spline";
@@ -80,6 +80,8 @@ export interface TargetResponse extends Target, Requirements {
   readonly byHand: boolean;
   /** Whether the search is running and this is its best design so far. */
   readonly provisional: boolean;
+  /** Optional parts of the computation. */
+  readonly effects?: readonly Effect[];
   /** The server's verdict on the design; null for one that was set by hand or is not final. */
   readonly answered: AnsweredVerdict | null;
 }
@@ -107,6 +109,13 @@ export function modelError(model: Model | undefined, { task }: ProfileKind): Mod
  */
 export function expectedDeviation({ error, model_error }: DesignCandidate): number {
   return Math.hypot(error.relative_rms, model_error ?? 1);
+}
+
+/** The error to be expected of the deviation by the model, over the target's root mean square; null if the model has no error bars. */
+export function modelUncertainty({ errorBar, target }: Pick<TargetResponse, "errorBar" | "target">): number | null {
+  if (!errorBar || errorBar.length === 0 || !errorBar.every((bar): bar is number => bar !== null)) return null;
+  const size = Math.hypot(...target);
+  return size > 0 ? Math.hypot(...errorBar) / size : null;
 }
 
 /**
@@ -152,7 +161,7 @@ export function freshness(shown: TargetResponse | null, state: Region): Freshnes
 }
 
 /** A design of an answer, the only one or that of a region, with the cost of the computation. */
-export type CostedDesign = Design & { readonly cost: { readonly seconds: number } };
+export type CostedDesign = Design & { readonly cost: { readonly seconds: number }; readonly effects?: readonly Effect[] };
 
 /** The design of an answer, with the values that the search has chosen. */
 export function designOf(
@@ -237,6 +246,7 @@ export function designResponses(answer: CostedDesign, asked: Region): readonly T
       seconds: answer.cost.seconds,
       byHand: false,
       provisional: false,
+      ...(answer.effects && { effects: answer.effects }),
       answered: (answer as { verdict?: AnsweredVerdict }).verdict ?? null,
     };
   });

@@ -1,7 +1,7 @@
 // The simulated responses of designs, which are kept: in the page for undo, other sizes and other tabs, in the browser's storage for reloads.
 import type { Curve } from "../base/curve";
 import { Observable } from "../base/observable";
-import type { Polish } from "../contract/types";
+import type { Effect, Polish } from "../contract/types";
 import type { TargetResponse } from "./shown";
 import { modulusOf, orientationOf, type Specification } from "./specification";
 import { isPolar, type ProfileKind, type Target, type TilingDesign } from "./state";
@@ -39,6 +39,8 @@ export interface SimulationRecord {
   readonly polish: Polish | null;
   /** The text of the targets that the polish has followed. */
   readonly targets: string;
+  /** Effects of the simulation; those of earlier versions have none. */
+  readonly effects?: readonly Effect[];
   readonly seconds: number;
 }
 

@@ -1,4 +1,5 @@
 // The state of the design page: everything that the user has chosen. States are immutable, so that changes can be undone.
+import { type AccuracyChoice, NORMAL } from "../base/accuracy_choice";
 import type { StrainMeasure, Task } from "../contract/types";
 import { DEFAULT_SPECIFICATION, type FoundSpecification, type Specification } from "./specification";
 
@@ -48,12 +49,18 @@ export interface Region extends Target {
   readonly byHand: boolean;
 }
 
-/** The state of the page. The fields of Region are those of the selected region. */
-export interface DesignState extends Region {
+/** All regions of a product. The fields of Region are those of the selected region. */
+export interface Product extends Region {
   /** The other regions of the product, in the order of their tabs. */
   readonly otherRegions: readonly Region[];
   /** Index of the selected region among all. */
   readonly regionAt: number;
+}
+
+/** The state of the page. */
+export interface DesignState extends Product {
+  /** How accurate searches are. */
+  readonly accuracy: AccuracyChoice;
 }
 
 export const ANY = "any";
@@ -78,6 +85,7 @@ export const DEFAULT_STATE: DesignState = {
   region: "",
   otherRegions: [],
   regionAt: 0,
+  accuracy: NORMAL,
 };
 
 export const TASKS: readonly Task[] = ["stress_strain", "stiffness", "poisson"];

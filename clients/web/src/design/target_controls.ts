@@ -1,4 +1,5 @@
 // The controls of the target and the search: task, direction or strain, strain measure, interpolation, family, weight.
+import { AccuracyDial } from "../base/accuracy_dial";
 import { Segments, Select, Slider } from "../base/controls";
 import { h } from "../base/dom";
 import { withTerm } from "../base/terms";
@@ -73,7 +74,18 @@ export function targetControls(session: DesignSession, examples: HTMLElement): H
   });
   const more = h("details", { class: "more" }, h("summary", {}, "More"), withTerm(measure.element, "strain"), curve.element);
   return h("section", { class: "card controls", "aria-label": "Target" }, examples, withTerm(task.element, "stress", "stiffness", "poisson"), withTerm(family.element, "family"),
-    direction.element, withTerm(strain.element, "strain"), weight.element, more);
+    direction.element, withTerm(strain.element, "strain"), weight.element, dial(session), more);
+}
+
+function dial(session: DesignSession): HTMLElement {
+  const element = new AccuracyDial({
+    place: "design",
+    capabilities: () => ["designs"],
+    measures: session.search.measures,
+    choose: (level) => session.apply({ accuracy: { ...session.state.get().accuracy, level } }),
+  });
+  session.state.watch(({ accuracy }) => (element.value = accuracy.level));
+  return element.element;
 }
 
 function parameterCount(count: number): string {

@@ -4,11 +4,12 @@ import type { Curve } from "../base/curve";
 import { Observable } from "../base/observable";
 import { type Client, ConnectionLost, explain, isBusy, type Problem, statusOf } from "../contract/client";
 import { type JobSettings, JobRunner, type Run } from "../contract/runner";
-import type { DesignAnswer, Job, Polish, Simulation } from "../contract/types";
+import type { DesignAnswer, Effect, Job, Polish, Simulation } from "../contract/types";
 import { writeLink } from "./link";
 import { Pauses } from "./pauses";
 import { PolishRounds } from "./polish_rounds";
 import { patchDirection, patchRequest, polishRequest, verificationRequest } from "./requests";
+import type { SimulatedAnswer } from "./search";
 import type { DesignSession } from "./session";
 import { designOf, kindOf, type TargetResponse } from "./shown";
 import { sameSimulatedDesign, type SimulatedDesign, simulatedDesign, simulatedTarget, type SimulatedTarget, type SimulationRecord, Simulations } from "./simulations";
@@ -27,7 +28,7 @@ export type VerificationState =
   | { readonly kind: "none" }
   | RunningSimulation
   | { readonly kind: "failed"; readonly sentence: string }
-  | { readonly kind: "done"; readonly simulated: readonly SimulatedTarget[]; readonly polish: Polish | null; readonly seconds: number };
+  | { readonly kind: "done"; readonly simulated: readonly SimulatedTarget[]; readonly polish: Polish | null; readonly effects: readonly Effect[]; readonly seconds: number };
 
 export interface RunningSimulation {
   readonly kind: "running";
@@ -86,6 +87,16 @@ export class Verification {
     this.runner = new JobRunner(client);
     this.rounds = new PolishRounds(session);
     for (const part of [session.results.shown, session.state, simulations.list]) part.watch(() => this.follow());
+    session.search.simulated.watch((found) => found && this.keep(found));
+  }
+
+  /** Keeps the simulation of a search that simulates. */
+  private keep({ answer, asked }: SimulatedAnswer): void {
+    const { targets, order } = askedOf(asked);
+    const profiles = simulatedProfiles(answer, { asked, order });
+    if (!profiles) return;
+    const design = simulatedDesign(designOf(answer, asked), asked.made);
+    this.simulations.add({ design, profiles, polish: answer.polish, targets, effects: answer.effects, seconds: answer.cost.seconds });
   }
 
   /** The simulated response to the selected target. */
@@ -193,6 +204,7 @@ export class Verification {
         kind: "done",
         simulated: targets.map((target) => simulatedTarget(record, target) as SimulatedTarget),
         polish: record.targets === text ? record.polish : null, // its deviation is that from the targets of that time
+        effects: record.effects ?? [],
         seconds: record.seconds,
       }
       : { kind: "none" });
@@ -318,7 +330,7 @@ export class Verification {
     const found = designOf(answer, asked);
     // The parameters of a verification are those that were asked for, but for rounding.
     const design = subject.work === "polish" ? simulatedDesign(found, asked.made) : subject.design;
-    const record = { design, profiles, polish: answer.polish, targets: subject.targets, seconds: answer.cost.seconds };
+    const record = { design, profiles, polish: answer.polish, targets: subject.targets, effects: answer.effects, seconds: answer.cost.seconds };
     const isMoved = subject.work === "polish" && !sameSimulatedDesign(design, subject.design);
     // What the user is changing is not taken out of their hands.
     const isHeld = this.session.edited.isBeingChanged;
@@ -373,7 +385,7 @@ function endedBeforeSimulation({ polish, profile, also }: DesignAnswer): boolean
 }
 
 /** The simulated responses in the order of the tabs; null if a target was not simulated. */
-function simulatedProfiles(answer: DesignAnswer, { asked, order }: Subject): SimulationRecord["profiles"] | null {
+function simulatedProfiles(answer: DesignAnswer, { asked, order }: Pick<Subject, "asked" | "order">): SimulationRecord["profiles"] | null {
   const profiles = [answer.profile, ...answer.also];
   if (endedBeforeSimulation(answer)) return null;
   const targets = targetsOf(asked);

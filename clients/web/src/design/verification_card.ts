@@ -1,6 +1,8 @@
 import { button } from "../base/controls";
 import { announce } from "../base/announce";
 import { h, replace } from "../base/dom";
+import { EffectChips } from "../base/effect_chips";
+import { type Chip, chipsOf } from "../base/effect_words";
 import { percent, seconds } from "../base/format";
 import { PatchView } from "./patch_view";
 import type { DesignSession } from "./session";
@@ -15,6 +17,7 @@ export function verificationCard(session: DesignSession, verification: Verificat
   });
   const cancel = button("Cancel", () => verification.cancel());
   const patch = button("Show the deformed patch", () => void verification.showPatch());
+  const chips = new EffectChips("What the simulation found");
   const rounds = h("ol", { class: "polish-rounds", "aria-label": "Rounds of the polish" });
   const words = h("p", { class: "muted" });
   const bar = h("progress", { max: 1, "aria-label": "Progress of the simulation" });
@@ -28,6 +31,7 @@ export function verificationCard(session: DesignSession, verification: Verificat
   const tell = (state: VerificationState) => {
     if (state.kind === "done") lastSeconds = state.seconds;
     words.textContent = sentence(state, verification.simulated, lastSeconds, verification.rounds.list.get());
+    chips.show(state.kind === "done" ? simulationChips(state, verification.simulated) : []);
     words.className = state.kind === "failed" ? "note" : state.kind === "done" ? "verdict" : "muted";
   };
   verification.state.watch((state) => {
@@ -67,8 +71,15 @@ export function verificationCard(session: DesignSession, verification: Verificat
 
   show();
   const section = h("section", { class: "card verification", "aria-label": "Verification" });
-  replace(section, h("h2", {}, "Verification"), words, rounds, h("div", { class: "row" }, verify, polish, patch, bar, cancel), view.element, patchWords);
+  replace(section, h("h2", {}, "Verification"), words, chips.element, rounds, h("div", { class: "row" }, verify, polish, patch, bar, cancel), view.element, patchWords);
   return section;
+}
+
+/** Effects of simulations; the others are those of the search for the design. */
+const SIMULATED_EFFECTS: readonly string[] = ["buckling", "contact", "patch", "refinement", "polish"];
+
+function simulationChips({ effects }: Extract<VerificationState, { kind: "done" }>, inSight: SimulatedTarget | null): Chip[] {
+  return chipsOf(effects.filter(({ name }) => SIMULATED_EFFECTS.includes(name)), {}, inSight ? { discretization_error: inSight.mesh } : {});
 }
 
 function progressOf(state: VerificationState, patch: PatchState): number | null {

@@ -1,4 +1,5 @@
 // The server's answers about points of a surface, converted to what is drawn and listed.
+import { withError } from "../base/accuracy_words";
 import { digits, percent, seconds } from "../base/format";
 import type { Geodesics, KarcherMean, PathPoint } from "../contract/types";
 import type { Vector } from "./mesh_data";
@@ -28,10 +29,10 @@ export const findings: FindingReaders = {
     const facts: (readonly [string, string])[] = lengths.length > 1 ? lengths.map((length, k) => [`Path ${k + 1}`, digits(length, 6)] as const) : [];
     const total = lengths.reduce((sum, length) => sum + length, 0);
     facts.push([lengths.length > 1 ? "Together" : "Length", digits(total, 6)], ["Time", seconds(geodesics.cost.seconds)]);
-    return { ...NO_FINDING, ...pathsOf(geodesics), facts };
+    return { ...NO_FINDING, ...pathsOf(geodesics), facts, effects: geodesics.effects };
   },
 
-  distance(distances, time, bound) {
+  distance(distances, time, bound, effects = []) {
     const known = distances.filter((value): value is number => value !== null);
     const largest = known.reduce((max, value) => Math.max(max, value), 0);
     const notes = known.length < distances.length ? [`${distances.length - known.length} vertices cannot be reached.`] : [];
@@ -39,8 +40,9 @@ export const findings: FindingReaders = {
     return {
       ...NO_FINDING,
       distances: distances.map((value) => value ?? -1),
-      facts: [["Farthest vertex", digits(largest, 6)], ["Error", error], ["Time", seconds(time)]],
+      facts: [["Farthest vertex", withError(digits(largest, 6), bound)], ["Error", error], ["Time", seconds(time)]],
       notes,
+      effects,
     };
   },
 
@@ -60,6 +62,7 @@ export const findings: FindingReaders = {
         ["Time", seconds(mean.cost.seconds)],
       ],
       notes,
+      effects: mean.effects,
     };
   },
 };

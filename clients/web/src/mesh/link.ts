@@ -1,4 +1,5 @@
 // The state of the mesh page in a link: mesh, tool, points, network and Voronoi diagram.
+import { type AccuracyChoice, NORMAL, readChoice, writeChoice } from "../base/accuracy_choice";
 import { choiceOf, readFields, writeFields } from "../base/link_fields";
 import type { SurfacePoint } from "../contract/types";
 import type { NetworkState } from "./network_state";
@@ -15,16 +16,19 @@ export interface MeshLink {
   points: SurfacePoint[];
   /** Number of starts of the search for a mean, if there are several. */
   starts?: number;
+  /** Accuracy of a distance field, if that is the tool. */
+  accuracy?: AccuracyChoice;
   /** State of the network, if it is the tool. */
   network: NetworkState | null;
   /** State of the Voronoi diagram, if it is the tool. Its sites are the points, unless they are random. */
   voronoi?: VoronoiState | null;
 }
 
-export function writeMeshLink({ mesh, tool, points, starts = 1, network, voronoi }: MeshLink): string {
+export function writeMeshLink({ mesh, tool, points, starts = 1, accuracy = NORMAL, network, voronoi }: MeshLink): string {
   const fields: [string, string][] = [["mesh", mesh], ["tool", tool]];
   if (points.length > 0) fields.push(["points", points.slice(0, MAX_POINTS).map(pointText).join(";")]);
   if (tool === "mean" && starts > 1) fields.push(["starts", String(starts)]);
+  if (tool === "distance") fields.push(...writeChoice(accuracy));
   if (tool === "network" && network) fields.push(...writeNetwork(network));
   if (tool === "voronoi" && voronoi) fields.push(...writeVoronoi(voronoi));
   return writeFields(fields);
@@ -39,10 +43,12 @@ export function readMeshLink(text: string): MeshLink | null {
   const points = places.map(readPoint).filter((point): point is SurfacePoint => point !== null);
   const starts = /^\d{1,3}$/.test(fields.get("starts") ?? "") ? Math.min(MAX_STARTS, Number(fields.get("starts"))) : 1;
   const voronoi = readVoronoi(fields);
+  const tool = choiceOf(fields.get("tool"), TOOLS, "path");
   return {
     mesh,
-    tool: choiceOf(fields.get("tool"), TOOLS, "path"),
+    tool,
     points,
+    ...(tool === "distance" && fields.has("accuracy") && { accuracy: readChoice(fields) }),
     ...(starts > 1 && { starts }),
     network: readNetwork(fields, points.length),
     ...(voronoi && { voronoi }),

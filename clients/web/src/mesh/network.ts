@@ -1,9 +1,10 @@
 // A constructed network; the requests that construct, relax and save it; and lengths and energies of its springs and triangles.
+import { atLevel, type Capability } from "../base/accuracy_levels";
 import type { EmbeddedSystem, EmbeddedSystemRequest, NetworkSpring, SurfacePoint } from "../contract/types";
 import { hostFields } from "./host";
 import { energyDensity, type MembraneMaterial, straightSides, type Stretches, stretchesOf, type Triple } from "./membrane";
 import type { Vector } from "./mesh_data";
-import { hasMembrane, hasSprings, type NetworkState, type Pair } from "./network_state";
+import { DEFAULT_NETWORK, hasMembrane, hasSprings, type NetworkState, type Pair } from "./network_state";
 
 /** Points, springs and triangles of a constructed network. */
 export interface Network {
@@ -50,7 +51,8 @@ export function springsOf(state: NetworkState, pairs: readonly Pair[]): NetworkS
 
 /** The request for the equilibrium of a network, from the points `start`. A membrane is at rest at its start, apart from the rest scale. */
 export function relaxationRequest(mesh: string, state: NetworkState, network: Network, start: readonly SurfacePoint[] = network.points): EmbeddedSystemRequest {
-  return {
+  const { tolerance, mollifierLength } = state.accuracy.level === "own" ? state : DEFAULT_NETWORK;
+  const request: EmbeddedSystemRequest = {
     mesh,
     points: [...start],
     springs: springsOf(state, network.pairs),
@@ -62,11 +64,17 @@ export function relaxationRequest(mesh: string, state: NetworkState, network: Ne
     fixed_points: state.fixed.filter((point) => point < start.length),
     method: state.method,
     spring_length: state.springLength,
-    accuracy: { tolerance: state.tolerance, mollifier_length: state.mollifierLength },
+    accuracy: { tolerance, mollifier_length: mollifierLength },
     max_iterations: state.maxIterations,
     paths: true,
     effects: { mollifier: state.mollifier, kept_strips: state.keptStrips, ...(state.host.kind === "shell" && { bending: state.host.bends ? "on" : "off" }) },
   };
+  return atLevel(request, capabilityOf(state), state.accuracy);
+}
+
+/** What a relaxation is, by its host. */
+export function capabilityOf({ host }: NetworkState): Capability {
+  return host.kind === "rigid" ? "networks" : "hosts";
 }
 
 /**

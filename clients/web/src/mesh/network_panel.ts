@@ -1,11 +1,13 @@
 // The panel of the network: points, springs, membrane, fixed points, host, and the method of the relaxation.
+import { AccuracyDial } from "../base/accuracy_dial";
 import { button, type Choice, Segments, Select, Slider } from "../base/controls";
 import { h } from "../base/dom";
 import { touchWords } from "../base/touch_words";
 import type { EffectSwitch } from "../contract/types";
 import { hostControls } from "./host_panel";
-import type { Nudge } from "./nudge_buttons";
 import { listField } from "./list_field";
+import { capabilityOf } from "./network";
+import type { Nudge } from "./nudge_buttons";
 import type { ClickMode, NetworkSession } from "./network_session";
 import { type Elements, ELEMENTS, hasMembrane, hasSprings, type Method, METHODS, MODULUS_LIMITS, MOLLIFIER_LENGTHS, MAX_ITERATIONS, MAX_SEED, MAX_WEIGHT, type NetworkState,
   type PointSource, POISSON_LIMITS, radiusLimits, REST_SCALE_LIMITS, type SpringLength, type SpringSource, THICKNESS_LIMITS, TOLERANCES,
@@ -35,7 +37,7 @@ const powerChoices = (values: readonly number[]): Choice<string>[] =>
 
 export function networkPanel(mesh: MeshSession, network: NetworkSession, nudge: Nudge): HTMLElement {
   const element = h("section", { class: "card controls", "aria-label": "Network" }, pointControls(mesh, network), elementControls(network), springControls(mesh, network),
-    membraneControls(network), fixedField(network), hostControls(mesh, network, nudge), moreControls(network), shrinkingNote(network), actions(mesh, network));
+    membraneControls(network), fixedField(network), hostControls(mesh, network, nudge), accuracyControls(network), shrinkingNote(network), actions(mesh, network));
   mesh.tool.watch((tool) => (element.hidden = tool !== "network"));
   return element;
 }
@@ -148,10 +150,10 @@ function fixedField(network: NetworkSession): HTMLElement {
 
 const SPRING_LENGTHS = [{ value: "geodesic", words: "Of the shortest path on the surface" }, { value: "euclidean", words: "Straight through space" }] as const;
 
-function moreControls(network: NetworkSession): HTMLElement {
+function accuracyControls(network: NetworkSession): HTMLElement {
   const method = new Select<Method>("Method", chooseFrom(METHOD_WORDS, METHODS), (value) => network.change({ method: value }));
   const length = new Select<SpringLength>("Length of a spring", SPRING_LENGTHS, (value) => network.change({ springLength: value }));
-  const tolerance = new Select<string>("Tolerance of the gradient", powerChoices(TOLERANCES), (value) => network.change({ tolerance: Number(value) }));
+  const tolerance = new Select<string>("Tolerance of the gradient", powerChoices(TOLERANCES), (value) => changeOwn({ tolerance: Number(value) }));
   const iterations = new Slider({
     label: "Most iterations",
     lower: 1,
@@ -161,8 +163,18 @@ function moreControls(network: NetworkSession): HTMLElement {
     changed: (value, done) => done && network.change({ maxIterations: Math.round(value) }),
   });
   const mollifier = new Select<EffectSwitch>("Smoothing next to vertices (mollifier)", SWITCHES, (value) => network.change({ mollifier: value }));
-  const mollifierLength = new Select<string>("Its length, in shares of an edge", powerChoices(MOLLIFIER_LENGTHS), (value) => network.change({ mollifierLength: Number(value) }));
+  const mollifierLength = new Select<string>("Its length, in shares of an edge", powerChoices(MOLLIFIER_LENGTHS), (value) => changeOwn({ mollifierLength: Number(value) }));
   const strips = new Select<EffectSwitch>("Paths unfolded from the iteration before (kept strips)", SWITCHES, (value) => network.change({ keptStrips: value }));
+  const dial = new AccuracyDial({
+    place: "network",
+    capabilities: () => [capabilityOf(network.state.get())],
+    measures: network.measures,
+    choose: (level) => network.change({ accuracy: { ...network.state.get().accuracy, level } }),
+    own: {
+      words: "Own values: accuracy, method and effects",
+      controls: [method, length, tolerance, iterations, mollifier, mollifierLength, strips].map(({ element }) => element),
+    },
+  });
   const setOffered = (list: Select<string>, values: readonly number[], value: number) => {
     list.setChoices(powerChoices([...new Set([...values, value])]));
     list.value = String(value);
@@ -177,9 +189,12 @@ function moreControls(network: NetworkSession): HTMLElement {
     setOffered(mollifierLength, MOLLIFIER_LENGTHS, state.mollifierLength);
     mollifierLength.element.hidden = state.mollifier === "off";
     strips.value = state.keptStrips;
+    dial.value = state.accuracy.level;
   });
-  return h("details", { class: "more" }, h("summary", {}, "Accuracy, method and effects"), method.element, length.element, tolerance.element, iterations.element, mollifier.element,
-    mollifierLength.element, strips.element);
+  function changeOwn(own: Partial<NetworkState>): void {
+    network.change({ ...own, accuracy: { ...network.state.get().accuracy, level: "own" } });
+  }
+  return dial.element;
 }
 
 function actions(mesh: MeshSession, network: NetworkSession): HTMLElement {

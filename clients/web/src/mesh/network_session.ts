@@ -1,4 +1,6 @@
 // The network session: constructs, changes, relaxes and saves a network on the present mesh. It does not depend on elements of the page.
+import { rememberedLevel } from "../base/accuracy_choice";
+import { LevelMeasures } from "../base/accuracy_levels";
 import { Observable } from "../base/observable";
 import type { Client } from "../contract/client";
 import { JobRunner, type Run, type Task, type WorkInWords } from "../contract/runner";
@@ -6,7 +8,7 @@ import type { EmbeddedSystem, EmbeddedSystemRequest, Job, SurfacePoint } from ".
 import type { MeshData, Vector } from "./mesh_data";
 import { type Host, hostFault, defaultHost, lowestVertices, connectedSupports, supportPosition, withMovedSupports, withToggledSupport, withSupports } from "./host";
 import type { Triple } from "./membrane";
-import { fileRequest, constructionRequest, materialOf, type Network, networkKey, relaxationRequest, startsAtRest } from "./network";
+import { capabilityOf, fileRequest, constructionRequest, materialOf, type Network, networkKey, relaxationRequest, startsAtRest } from "./network";
 import { type Frame, Frames } from "./network_frames";
 import { withChange, DEFAULT_NETWORK, hasMembrane, hasSprings, onAnotherMesh, type NetworkState, withToggledFixed, withExistingPoints, withoutPoint,
   withToggledSpring } from "./network_state";
@@ -41,10 +43,12 @@ const PATH = "/v1/embedded-systems";
 const FILE_TYPES: Record<FileKind, string> = { obj: "model/obj", vtu: "application/x-vtu+xml" };
 
 export class NetworkSession {
-  readonly state = new Observable<NetworkState>(DEFAULT_NETWORK);
+  readonly state = new Observable<NetworkState>({ ...DEFAULT_NETWORK, accuracy: { ...DEFAULT_NETWORK.accuracy, level: rememberedLevel("network") } });
   readonly network = new Observable<Network | null>(null);
   readonly relaxing = new Observable<RelaxationRun | null>(null);
   readonly activity = new Observable<MeshActivity>({ kind: "idle" });
+  /** What the last relaxations took. */
+  readonly measures = new LevelMeasures();
   readonly mode = new Observable<ClickMode>("add");
   /** Whether a click on the surface fixes or releases a vertex of a deformable host. */
   readonly supportMode = new Observable(false);
@@ -289,6 +293,7 @@ export class NetworkSession {
     const diagonal = this.session.mesh.get()?.info.bounding_box.diagonal ?? 0;
     const gradientTolerance = (request.accuracy?.tolerance ?? 0) * weight * diagonal;
     this.relaxing.set({ request, asked, network, steps, frames: frames.all, gradientTolerance, answer: null });
+    const state = this.state.get();
     const answer = await this.compute(request, "Relaxing", run, (partial) => {
       if (!partial || !("gradient_norm" in partial) || "step_length" in partial || (steps.length > 0 && partial.iteration <= steps[steps.length - 1].iteration)) return;
       steps.push({ iteration: partial.iteration, energy: partial.energy, gradient: partial.gradient_norm });
@@ -301,6 +306,7 @@ export class NetworkSession {
       }
       this.relaxing.set({ request, asked, network, steps: [...steps], frames: frames.all, gradientTolerance, answer: null });
     });
+    this.measures.record(capabilityOf(state), { level: state.accuracy.level, seconds: answer.cost.seconds, error: null });
     this.relaxing.set({ request, asked, network, steps: stepsOf(answer), frames: frames.all, gradientTolerance: answer.accuracy.gradient_tolerance, answer });
   }
 

@@ -1,4 +1,5 @@
 // The state of the network: the source of its points, the elements that join them, and the settings of the relaxation.
+import { type AccuracyChoice, NORMAL } from "../base/accuracy_choice";
 import type { EffectSwitch, EmbeddedSystemRequest, Mesh } from "../contract/types";
 import { type Host, defaultHost, hostOnAnotherMesh } from "./host";
 
@@ -39,6 +40,8 @@ export interface NetworkState {
   readonly fixed: readonly number[];
   readonly method: Method;
   readonly springLength: SpringLength;
+  readonly accuracy: AccuracyChoice;
+  /** Tolerance and length of the mollifier count only if accuracy is a value of one's own. */
   readonly tolerance: number;
   readonly maxIterations: number;
   readonly mollifier: EffectSwitch;
@@ -82,6 +85,7 @@ export const DEFAULT_NETWORK: NetworkState = {
   restScale: 0.9,
   method: "newton",
   springLength: "geodesic",
+  accuracy: NORMAL,
   tolerance: 1e-9,
   maxIterations: 200,
   mollifier: "automatic",
@@ -103,6 +107,11 @@ export function radiusLimits({ area }: Pick<Mesh, "area">): readonly [number, nu
 /** The state for another mesh: settings that depend on the mesh are set to their initial values. */
 export function onAnotherMesh(state: NetworkState, mesh: Pick<Mesh, "area" | "bounding_box">): NetworkState {
   return { ...state, radius: radiusOf(mesh.area, INITIAL_POINTS), restLength: 0, fixed: [], drawn: [], host: hostOnAnotherMesh(state.host, mesh) };
+}
+
+/** The level of a link that names none, as those of earlier versions: values of one's own count. */
+export function usualLevel({ tolerance, mollifierLength }: Pick<NetworkState, "tolerance" | "mollifierLength">): AccuracyChoice["level"] {
+  return tolerance === DEFAULT_NETWORK.tolerance && mollifierLength === DEFAULT_NETWORK.mollifierLength ? "normal" : "own";
 }
 
 /** Applies a change and resets what it makes invalid: springs and fixed points refer to points by index. */

@@ -1,9 +1,10 @@
 // Points and springs as text in fields, and the state of a network in a link.
+import { readChoice, writeChoice } from "../base/accuracy_choice";
 import { plain } from "../base/format";
 import { choiceOf, type Fields, numberOf, readValues, wholeOf, writeValues } from "../base/link_fields";
 import type { EffectSwitch } from "../contract/types";
 import { readHost, writeHost } from "./host_text";
-import { DEFAULT_NETWORK, type DrawnSpring, ELEMENTS, hasMembrane, METHODS, MAX_ITERATIONS, type NetworkState, POINT_SOURCES, SPRING_SOURCES,
+import { DEFAULT_NETWORK, type DrawnSpring, ELEMENTS, hasMembrane, METHODS, MAX_ITERATIONS, type NetworkState, POINT_SOURCES, SPRING_SOURCES, usualLevel,
   withExistingPoints } from "./network_state";
 
 const MAX_POINTS = 100_000;
@@ -72,7 +73,7 @@ export function writeNetwork(state: NetworkState): [string, string][] {
     "kept-strips": keptStrips,
     ...(hasMembrane(state) && membrane),
   });
-  const fields: [string, string][] = [["network", values]];
+  const fields: [string, string][] = [["network", values], ...writeChoice(state.accuracy, usualLevel(state))];
   if (state.fixed.length > 0) fields.push(["fixed", state.fixed.join(",")]);
   if (state.drawn.length > 0) fields.push(["springs", writeSprings(state.drawn).replace(/ /g, "")]);
   return [...fields, ...writeHost(state.host)];
@@ -86,6 +87,7 @@ export function readNetwork(fields: Fields, picked: number): NetworkState | null
   const defaults = DEFAULT_NETWORK;
   const number = (name: string, lower: number, upper: number, otherwise: number) => numberOf(values.get(name), lower, upper, otherwise);
   const elements = choiceOf(values.get("elements"), ELEMENTS, defaults.elements);
+  const own = { tolerance: number("tolerance", 1e-16, 1, defaults.tolerance), mollifierLength: number("mollifier-length", 1e-12, 0.5, defaults.mollifierLength) };
   const state: NetworkState = {
     points: choiceOf(values.get("points"), POINT_SOURCES, defaults.points),
     radius: number("radius", 1e-12, 1e12, defaults.radius),
@@ -100,10 +102,10 @@ export function readNetwork(fields: Fields, picked: number): NetworkState | null
     thickness: number("thickness", 1e-12, 1e12, defaults.thickness),
     restScale: number("rest-scale", 1e-6, 1e6, defaults.restScale),
     springLength: values.get("spring-length") === "euclidean" && !hasMembrane({ elements }) ? "euclidean" : "geodesic",
-    tolerance: number("tolerance", 1e-16, 1, defaults.tolerance),
+    ...own,
+    accuracy: readChoice(fields, usualLevel(own)),
     maxIterations: wholeOf(values.get("max-iterations"), 1, MAX_ITERATIONS, defaults.maxIterations),
     mollifier: choiceOf(values.get("mollifier"), SWITCHES, "automatic"),
-    mollifierLength: number("mollifier-length", 1e-12, 0.5, defaults.mollifierLength),
     keptStrips: choiceOf(values.get("kept-strips"), SWITCHES, "automatic"),
     fixed: readFixed(fields.get("fixed") ?? "") ?? [],
     drawn: readSprings(fields.get("springs") ?? "") ?? [],

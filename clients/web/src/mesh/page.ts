@@ -1,5 +1,6 @@
 // The mesh page: makes its parts and connects them.
 import sampleUrl from "../../../../api/examples/meshes/trefoil-knot.obj?url";
+import { NORMAL } from "../base/accuracy_choice";
 import { announce } from "../base/announce";
 import { h, replace } from "../base/dom";
 import type { RampName } from "../base/ramps";
@@ -60,7 +61,7 @@ export function meshPage({ client, link }: PageContext): Page {
     const text = linkOf(sessions);
     if (text !== null) link.write(text);
   };
-  for (const part of [mesh.mesh, mesh.points, mesh.tool, mesh.starts, network.state, voronoi.state, voronoi.sites]) part.watch(writeLink);
+  for (const part of [mesh.mesh, mesh.points, mesh.tool, mesh.starts, mesh.accuracy, network.state, voronoi.state, voronoi.sites]) part.watch(writeLink);
   const keys = undoKeys(mesh);
 
   return {
@@ -131,6 +132,7 @@ function linkOf({ mesh, network, voronoi, isVoronoiTool }: MeshSessions): string
     tool: mesh.tool.get(),
     points: [...points],
     starts: mesh.starts.get(),
+    accuracy: mesh.accuracy.get(),
     network: network.state.get(),
     voronoi: voronoi.state.get(),
   });
@@ -142,6 +144,7 @@ async function openLink({ mesh, network, voronoi }: MeshSessions, text: string, 
   if (!linked || (!isForced && linked.mesh === mesh.mesh.get()?.info.id)) return false;
   mesh.setTool(linked.tool);
   mesh.setStarts(linked.starts ?? 1);
+  if (linked.tool === "distance") mesh.setAccuracy(linked.accuracy ?? NORMAL);
   await mesh.open(linked.mesh, linked.tool === "voronoi" ? [] : linked.points);
   const isShown = () => mesh.mesh.get()?.info.id === linked.mesh;
   if (linked.voronoi && linked.tool === "voronoi" && isShown()) await voronoi.restore(linked.voronoi, linked.points);

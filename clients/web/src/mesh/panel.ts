@@ -1,6 +1,9 @@
 // The panel beside the view: mesh, tool, points and results.
+import { AccuracyDial } from "../base/accuracy_dial";
 import { button, Checkbox, Segments, Select, Slider } from "../base/controls";
 import { h, replace, uniqueId } from "../base/dom";
+import { EffectChips } from "../base/effect_chips";
+import { chipsOf } from "../base/effect_words";
 import { digits } from "../base/format";
 import type { Mesh } from "../contract/types";
 import { pointWords, readPoint } from "./link";
@@ -173,12 +176,26 @@ function toolCard(session: MeshSession, network: NetworkSession): HTMLElement {
       shown = now;
     });
   }
-  return h("section", { class: "card controls", "aria-label": "Points" }, tool.element, help, starts.element, list, form, clear);
+  return h("section", { class: "card controls", "aria-label": "Points" }, tool.element, help, starts.element, dial(session), list, form, clear);
+}
+
+/** The dial of accuracy of distance fields; networks and diagrams have their own. */
+function dial(session: MeshSession): HTMLElement {
+  const element = new AccuracyDial({
+    place: "distances",
+    capabilities: () => (session.tool.get() === "distance" ? ["geodesics"] : []),
+    measures: session.measures,
+    choose: (level) => session.setAccuracy({ ...session.accuracy.get(), level }),
+  });
+  session.accuracy.watch(({ level }) => (element.value = level));
+  session.tool.watch(() => element.update());
+  return element.element;
 }
 
 function findingCard(session: MeshSession, appearance: FieldAppearance): HTMLElement {
   const facts = h("dl", { class: "facts" });
   const notes = h("div");
+  const chips = new EffectChips("What was computed");
   const bar = h("div", { class: "ramp", "aria-hidden": "true" });
   const ticks = h("div", { class: "ramp-ticks" });
   const ramp = new Select<RampName>("Colours", RAMP_NAMES.map((value) => ({ value, words: RAMP_WORDS[value] })), show);
@@ -199,7 +216,7 @@ function findingCard(session: MeshSession, appearance: FieldAppearance): HTMLEle
   });
   const scale = h("div", { class: "ramp-box controls" }, h("div", {}, bar, ticks), ramp.element,
     h("div", { class: "field" }, h("label", { for: id }, "Spacing of the isolines, mesh units"), spacing));
-  const card = h("section", { class: "card", "aria-label": "Result", hidden: true }, h("h2", {}, "Result"), scale, facts, notes);
+  const card = h("section", { class: "card", "aria-label": "Result", hidden: true }, h("h2", {}, "Result"), scale, facts, chips.element, notes);
 
   function show(name: RampName): void {
     bar.style.background = cssGradient(RAMPS[name]);
@@ -209,6 +226,7 @@ function findingCard(session: MeshSession, appearance: FieldAppearance): HTMLEle
   session.finding.watch((finding) => {
     card.hidden = finding.facts.length === 0;
     replace(facts, ...finding.facts.flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
+    chips.show(chipsOf(finding.effects, {}));
     replace(notes, ...finding.notes.map((sentence) => h("p", { class: "note" }, sentence)));
     scale.hidden = finding.distances === null;
     if (!finding.distances) return;

@@ -4,6 +4,8 @@ import { costTables, effectTable } from "../base/bill_tables";
 import { button, Select, Slider } from "../base/controls";
 import { h, replace } from "../base/dom";
 import { download } from "../base/download";
+import { EffectChips } from "../base/effect_chips";
+import { chipsOf, outdated } from "../base/effect_words";
 import { digits, seconds } from "../base/format";
 import { savePng } from "../base/png_file";
 import { svgOf } from "../base/svg_file";
@@ -46,13 +48,14 @@ export function relaxationCard(network: NetworkSession, view: NetworkView): HTML
   const facts = h("dl", { class: "facts" });
   const notes = h("div", { class: "notes" });
   const slider = h("div");
+  const chips = new EffectChips("What was computed of the network", (effect, value) => network.change(effect === "mollifier" ? { mollifier: value } : { keptStrips: value }));
   const colours = colourLegends(view);
   const resumeButton = button("Go on from here", () => void network.relax(true));
   const files = fileButtons(network, plot);
   const bill = h("details", { class: "more bill" }, h("summary", {}, "Effects, bill and history"));
   const side = h("div", { class: "relaxation-side" }, ...colours.elements, hostLegend(view), slider);
   const card = h("section", { class: "card relaxation", "aria-label": "Relaxation", hidden: true }, h("h2", {}, "Relaxation"), sentence, stale, notes, resumeButton,
-    h("div", { class: "relaxation-body" }, stage, facts, side), h("div", { class: "row" }, ...files), bill);
+    h("div", { class: "relaxation-body" }, stage, facts, side), chips.element, h("div", { class: "row" }, ...files), bill);
 
   function draw(): void {
     const relaxing = network.relaxing.get();
@@ -98,7 +101,18 @@ export function relaxationCard(network: NetworkSession, view: NetworkView): HTML
     draw();
   });
   view.frame.watch(draw);
-  for (const part of [network.state, network.network, network.relaxing]) part.watch(() => (stale.hidden = !network.isStale));
+  const showChips = () => {
+    const { mollifier, keptStrips } = network.state.get();
+    const answer = network.relaxing.get()?.answer;
+    const known = answer ? chipsOf(answer.effects, { mollifier, kept_strips: keptStrips }) : [];
+    chips.show(network.isStale ? outdated(known) : known);
+  };
+  for (const part of [network.state, network.network, network.relaxing]) {
+    part.watch(() => {
+      stale.hidden = !network.isStale;
+      showChips();
+    });
+  }
   return card;
 }
 

@@ -1,9 +1,11 @@
 // The mesh session: the present mesh, the points that are picked on it, and the server's answers about them.
+import { type AccuracyChoice, NORMAL, rememberedLevel } from "../base/accuracy_choice";
+import { atLevel, LevelMeasures } from "../base/accuracy_levels";
 import { History } from "../base/history";
 import { Observable } from "../base/observable";
 import { type Client, Problem, readJson } from "../contract/client";
 import { type Activity, JobRunner, type Run, type Task, type WorkInWords } from "../contract/runner";
-import type { Geodesics, Job, KarcherMean, Mesh, Repair, SurfacePoint } from "../contract/types";
+import type { Effect, Geodesics, Job, KarcherMean, Mesh, Repair, SurfacePoint } from "../contract/types";
 import { facePosition, type MeshData, parsePly, type Vector, vertexPosition } from "./mesh_data";
 import { storeName, nameOf } from "./names";
 import { repairsAgainst, ordered, uploadPath } from "./repair";
@@ -29,9 +31,11 @@ export interface Finding {
   readonly mean: Vector | null;
   readonly facts: readonly (readonly [string, string])[];
   readonly notes: readonly string[];
+  /** Optional parts of the computation. */
+  readonly effects: readonly Effect[];
 }
 
-export const NO_FINDING: Finding = { paths: [], distances: null, mean: null, facts: [], notes: [] };
+export const NO_FINDING: Finding = { paths: [], distances: null, mean: null, facts: [], notes: [], effects: [] };
 
 export type MeshActivity = Activity<WorkInWords>;
 
@@ -48,7 +52,7 @@ const IMMEDIATE_SECONDS = 1;
 /** Functions that convert the server's answers to findings. */
 export interface FindingReaders {
   path(geodesics: Geodesics): Finding;
-  distance(distances: readonly (number | null)[], seconds: number, bound: number | null): Finding;
+  distance(distances: readonly (number | null)[], seconds: number, bound: number | null, effects?: readonly Effect[]): Finding;
   mean(mean: KarcherMean, geodesics: Geodesics): Finding;
 }
 
@@ -58,6 +62,10 @@ export class MeshSession {
   readonly tool = new Observable<Tool>("path");
   /** Number of starts of the search for a mean; the lowest minimum is shown. */
   readonly starts = new Observable(1);
+  /** Accuracy of distance fields. Paths and means are exact. */
+  readonly accuracy = new Observable<AccuracyChoice>({ ...NORMAL, level: rememberedLevel("distances") });
+  /** What the last distance fields took. */
+  readonly measures = new LevelMeasures();
   readonly finding = new Observable<Finding>(NO_FINDING);
   readonly activity = new Observable<MeshActivity>({ kind: "idle" });
   readonly known = new Observable<readonly Mesh[]>([]);
@@ -218,6 +226,11 @@ export class MeshSession {
     if (this.tool.get() === "mean") this.compute();
   }
 
+  setAccuracy(accuracy: AccuracyChoice): void {
+    this.accuracy.set(accuracy);
+    if (this.tool.get() === "distance") this.compute();
+  }
+
   cancel(): void {
     this.loading.cancel();
     this.computing.cancel();
@@ -269,9 +282,13 @@ export class MeshSession {
     const onJob = ({ stage, progress }: Job) => run.tell({ words: stage || "Computing" }, progress);
     const answerOf = <Answer>(path: string, document: unknown) => run.job<Answer>(path, document, { wait: IMMEDIATE_SECONDS, onJob });
     if (tool === "distance") {
-      type Field = { distances: (number | null)[]; cost: { seconds: number }; accuracy: { relative_error_bound: number | null } };
-      const field = await answerOf<Field>("/v1/geodesic-fields", { mesh, sources: points });
-      return this.read.distance(field.distances, field.cost.seconds, field.accuracy.relative_error_bound);
+      type Field = { distances: (number | null)[]; cost: { seconds: number }; accuracy: { relative_error_bound: number | null }; effects?: readonly Effect[] };
+      const accuracy = this.accuracy.get();
+      const request: { mesh: string; sources: readonly SurfacePoint[]; accuracy?: object } = { mesh, sources: points };
+      const field = await answerOf<Field>("/v1/geodesic-fields", atLevel(request, "geodesics", accuracy));
+      const { relative_error_bound: error } = field.accuracy;
+      this.measures.record("geodesics", { level: accuracy.level, seconds: field.cost.seconds, error });
+      return this.read.distance(field.distances, field.cost.seconds, error, field.effects);
     }
     if (tool === "path") {
       const pairs = points.slice(1).map((to, k) => ({ from: points[k], to }));

@@ -3,6 +3,8 @@ import { announce } from "../base/announce";
 import { button, Select, Slider } from "../base/controls";
 import { h, replace } from "../base/dom";
 import { download } from "../base/download";
+import { EffectChips } from "../base/effect_chips";
+import { chipsOf } from "../base/effect_words";
 import { digits, seconds } from "../base/format";
 import { table } from "../base/tables";
 import { inWords } from "../contract/places";
@@ -38,6 +40,7 @@ export function voronoiCard(voronoi: VoronoiSession, view: VoronoiView): HTMLEle
   const facts = h("dl", { class: "facts" });
   const notes = h("div", { class: "notes" });
   const statistics = h("div");
+  const chips = new EffectChips("What was computed of the diagram");
   const colours = new Select<CellColourBy>("Colour of the cells", CELL_COLOURS, (value) => view.colourBy.set(value));
   const bar = h("div", { class: "ramp", "aria-hidden": "true" });
   bar.style.background = cssGradient(RAMP);
@@ -51,7 +54,7 @@ export function voronoiCard(voronoi: VoronoiSession, view: VoronoiView): HTMLEle
   );
   const side = h("div", { class: "relaxation-side" }, colours.element, scale, panels.element);
   const card = h("section", { class: "card relaxation voronoi", "aria-label": "Diagram", hidden: true }, h("h2", {}, "Diagram"), sentence, notes,
-    h("div", { class: "relaxation-body" }, stage, facts, side), statistics, h("div", { class: "row" }, ...files));
+    h("div", { class: "relaxation-body" }, stage, facts, side), chips.element, statistics, h("div", { class: "row" }, ...files));
 
   function factsNow(): [string, string][] {
     const diagram = voronoi.result.get()?.diagram;
@@ -79,6 +82,7 @@ export function voronoiCard(voronoi: VoronoiSession, view: VoronoiView): HTMLEle
     stage.hidden = !optimizing;
     if (optimizing) plot.update({ steps: optimizing.steps, tolerance: answer?.accuracy.gradient_tolerance ?? 0, current: optimizing.steps.at(-1)?.iteration ?? null });
     replace(facts, ...factsNow().flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
+    chips.show(chipsOf(result.diagram.effects, {}));
     replace(notes, ...result.diagram.warnings.map(inWords).map((words) => h("p", { class: "note" }, words)));
     if (result.now) replace(statistics, statisticsTable(result.before, result.now));
     for (const file of files) file.disabled = optimizing !== null && !answer;

@@ -1,4 +1,5 @@
 // The panel in which a Voronoi diagram is set up: its sites, its accuracy, and the objective that is minimized.
+import { AccuracyDial } from "../base/accuracy_dial";
 import { button, type Choice, Segments, Select, Slider } from "../base/controls";
 import { digits, plain } from "../base/format";
 import { h, uniqueId } from "../base/dom";
@@ -10,8 +11,8 @@ import { type Nudge, nudgeButtons } from "./nudge_buttons";
 import { readFixed, writeFixed } from "./network_text";
 import type { MeshSession } from "./session";
 import type { VoronoiSession } from "./voronoi_session";
-import { BORDER_DEVIATIONS, type Exactness, type Minimizer, MAX_OBJECTIVE_WEIGHT, MAX_SITE_SEED, MAX_SITES, MAX_VORONOI_ITERATIONS, type Objective, OBJECTIVES,
-  VORONOI_TOLERANCES } from "./voronoi_state";
+import { BORDER_DEVIATIONS, type Exactness, type Minimizer, MAX_OBJECTIVE_WEIGHT, MAX_SITE_SEED, MAX_SITES, MAX_VORONOI_ITERATIONS, type Objective, OBJECTIVES, VORONOI_TOLERANCES,
+  type VoronoiState } from "./voronoi_state";
 
 const EXACTNESS_WORDS: Record<Exactness, string> = { exact: "Exact", bounded: "Within 1 %", edges: "Along edges" };
 const OBJECTIVE_WORDS: Record<Objective, string> = {
@@ -25,7 +26,7 @@ const MINIMIZER_WORDS: Record<Minimizer, string> = { automatic: "by objective", 
 
 export function voronoiPanel(mesh: MeshSession, voronoi: VoronoiSession, nudge: Nudge): HTMLElement {
   const element = h("section", { class: "card controls", "aria-label": "Voronoi diagram" }, randomSites(mesh, voronoi), objectives(mesh, voronoi), actions(voronoi),
-    siteControls(mesh, voronoi, nudge), exactness(voronoi), more(voronoi));
+    siteControls(mesh, voronoi, nudge), accuracyControls(voronoi));
   mesh.tool.watch((tool) => (element.hidden = tool !== "voronoi"));
   return element;
 }
@@ -111,9 +112,9 @@ function siteControls(mesh: MeshSession, voronoi: VoronoiSession, nudge: Nudge):
   return h("div", { class: "parameters" }, words, form, chosen.element, chosenControls, fixedField.element, clear);
 }
 
-function exactness(voronoi: VoronoiSession): HTMLElement {
+function exactness(voronoi: VoronoiSession, change: (own: Partial<VoronoiState>) => void): HTMLElement {
   const choices = (Object.keys(EXACTNESS_WORDS) as Exactness[]).map((value): Choice<Exactness> => ({ value, words: EXACTNESS_WORDS[value] }));
-  const segments = new Segments<Exactness>("Distances", choices, (value) => voronoi.change({ exactness: value }));
+  const segments = new Segments<Exactness>("Distances", choices, (value) => change({ exactness: value }));
   voronoi.state.watch((state) => (segments.value = state.exactness));
   return segments.element;
 }
@@ -138,10 +139,12 @@ function objectives(mesh: MeshSession, voronoi: VoronoiSession): HTMLElement {
   return h("fieldset", { class: "parameters objectives" }, h("legend", {}, "What is to be reached, by weight"), ...sliders.map((slider) => slider.element), target.element);
 }
 
-function more(voronoi: VoronoiSession): HTMLElement {
+/** The dial of accuracy, with the method and the values of one's own. */
+function accuracyControls(voronoi: VoronoiSession): HTMLElement {
+  const changeOwn = (own: Partial<VoronoiState>): void => voronoi.change({ ...own, accuracy: { ...voronoi.state.get().accuracy, level: "own" } });
   const choices = (Object.keys(MINIMIZER_WORDS) as Minimizer[]).map((value): Choice<Minimizer> => ({ value, words: MINIMIZER_WORDS[value] }));
   const method = new Select<Minimizer>("Method", choices, (value) => voronoi.change({ minimizer: value }));
-  const tolerance = new Select<string>("Tolerance of the gradient", [], (value) => voronoi.change({ tolerance: Number(value) }));
+  const tolerance = new Select<string>("Tolerance of the gradient", [], (value) => changeOwn({ tolerance: Number(value) }));
   const iterations = new Slider({
     label: "Most iterations",
     lower: 1,
@@ -150,8 +153,20 @@ function more(voronoi: VoronoiSession): HTMLElement {
     digits: 0,
     changed: (value, done) => done && voronoi.change({ maxIterations: Math.round(value) }),
   });
-  const deviation = new Select<string>("Borders are drawn to, in diagonals of the mesh", [], (value) => voronoi.change({ deviation: Number(value) }));
+  const deviation = new Select<string>("Borders are drawn to, in diagonals of the mesh", [], (value) => changeOwn({ deviation: Number(value) }));
+  const dial = new AccuracyDial({
+    place: "voronoi",
+    capabilities: () => ["voronoi", ...(voronoi.optimizing.get() ? ["voronoi_optimizations" as const] : [])],
+    measures: voronoi.measures,
+    choose: (level) => voronoi.change({ accuracy: { ...voronoi.state.get().accuracy, level } }),
+    own: {
+      words: "Own values: method and accuracy",
+      controls: [exactness(voronoi, changeOwn), method.element, tolerance.element, iterations.element, deviation.element],
+    },
+  });
+  voronoi.optimizing.watch(() => dial.update());
   voronoi.state.watch((state) => {
+    dial.value = state.accuracy.level;
     deviation.setChoices([...new Set([...BORDER_DEVIATIONS, state.deviation])].map((value) => ({ value: String(value), words: plain(value) })));
     deviation.value = String(state.deviation);
     method.value = state.minimizer;
@@ -159,7 +174,7 @@ function more(voronoi: VoronoiSession): HTMLElement {
     tolerance.value = String(state.tolerance);
     iterations.value = state.maxIterations;
   });
-  return h("details", { class: "more" }, h("summary", {}, "Method and accuracy"), method.element, tolerance.element, iterations.element, deviation.element);
+  return dial.element;
 }
 
 function actions(voronoi: VoronoiSession): HTMLElement {

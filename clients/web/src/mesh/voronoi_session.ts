@@ -1,5 +1,7 @@
 // The Voronoi session: sites on the present mesh are scattered, placed, moved and optimized, and the diagram is updated and saved. It
 // does not depend on elements of the page.
+import { rememberedLevel } from "../base/accuracy_choice";
+import { LevelMeasures } from "../base/accuracy_levels";
 import { Observable } from "../base/observable";
 import type { Client } from "../contract/client";
 import { JobRunner, type Run, type Task, type WorkInWords } from "../contract/runner";
@@ -41,12 +43,14 @@ export type VoronoiFile = "obj" | "vtu" | "svg" | "csv";
 const FILE_TYPES: Record<VoronoiFile, string> = { obj: "model/obj", vtu: "application/x-vtu+xml", svg: "image/svg+xml", csv: "text/csv" };
 
 export class VoronoiSession {
-  readonly state = new Observable<VoronoiState>(DEFAULT_VORONOI);
+  readonly state = new Observable<VoronoiState>({ ...DEFAULT_VORONOI, accuracy: { ...DEFAULT_VORONOI.accuracy, level: rememberedLevel("voronoi") } });
   readonly sites = new Observable<readonly SurfacePoint[]>([]);
   readonly result = new Observable<DiagramResult | null>(null);
   readonly optimizing = new Observable<OptimizationRun | null>(null);
   readonly chosen = new Observable<number | null>(null);
   readonly activity = new Observable<MeshActivity>({ kind: "idle" });
+  /** What the last diagrams and optimizations took. */
+  readonly measures = new LevelMeasures();
   /** Runs what the user has asked for. */
   private readonly runner: JobRunner;
   /** Computes diagrams while sites are moved. */
@@ -78,8 +82,8 @@ export class VoronoiSession {
   change(change: Partial<VoronoiState>): void {
     const before = this.state.get();
     this.state.set({ ...before, ...change });
-    const needsDiagram = (change.exactness ?? before.exactness) !== before.exactness || (change.deviation ?? before.deviation) !== before.deviation;
-    if (needsDiagram) this.requestDiagram(true);
+    const accuracyOf = (state: VoronoiState) => JSON.stringify(diagramRequest(this.mesh, state, [], true).accuracy);
+    if (accuracyOf(this.state.get()) !== accuracyOf(before)) this.requestDiagram(true);
   }
 
   /** Sets the state of a link after its mesh was loaded. */
@@ -150,7 +154,9 @@ export class VoronoiSession {
         if (partial.borders && partial.site_positions) seen = partial;
         this.optimizing.set({ request, steps: [...steps], partial: seen, answer: null });
       };
+      const { level } = this.state.get().accuracy;
       const answer = await run.job<VoronoiOptimization>(PATH.optimizations, request, { onJob });
+      this.measures.record("voronoi_optimizations", { level, seconds: answer.cost.seconds, error: null });
       const history = answer.history.map(({ energy, gradient_norm }, iteration): VoronoiStep => ({ iteration, energy, gradient: gradient_norm }));
       this.state.set({ ...this.state.get(), scattered: false });
       this.sites.set(answer.sites as SurfacePoint[]);
@@ -206,9 +212,13 @@ export class VoronoiSession {
     }, this.following.tellFault);
   }
 
-  private ask(request: VoronoiDiagramRequest, run: Run<WorkInWords>): Promise<VoronoiDiagram> {
+  private async ask(request: VoronoiDiagramRequest, run: Run<WorkInWords>): Promise<VoronoiDiagram> {
+    const { level } = this.state.get().accuracy;
     const onJob = ({ stage, progress }: Job): void => run.tell({ words: stage || "Dividing the surface" }, progress > 0 ? progress : null);
-    return run.job<VoronoiDiagram>(PATH.diagrams, request, { wait: IMMEDIATE_SECONDS, onJob });
+    const answer = await run.job<VoronoiDiagram>(PATH.diagrams, request, { wait: IMMEDIATE_SECONDS, onJob });
+    // What a moved site takes, of which most of the diagram is kept, says nothing of a whole one.
+    if (request.statistics && !request.keep) this.measures.record("voronoi", { level, seconds: answer.cost.seconds, error: null });
+    return answer;
   }
 
   private attempt(words: string, task: Task<WorkInWords>): Promise<void> {

@@ -1,4 +1,6 @@
 // The settings of a Voronoi diagram: random sites, accuracy, and the objectives of the optimization.
+import { type AccuracyChoice, NORMAL, readChoice, writeChoice } from "../base/accuracy_choice";
+import { atLevel } from "../base/accuracy_levels";
 import { choiceOf, type Fields, numberOf, readValues, wholeOf, writeValues } from "../base/link_fields";
 import type { SurfacePoint, VoronoiDiagramRequest, VoronoiObjectives, VoronoiOptimizationRequest } from "../contract/types";
 
@@ -13,6 +15,8 @@ export interface VoronoiState {
   readonly seed: number;
   /** Whether the sites are the unchanged random ones. */
   readonly scattered: boolean;
+  readonly accuracy: AccuracyChoice;
+  /** This, the deviation of borders and the tolerance count only if accuracy is a value of one's own. */
   readonly exactness: Exactness;
   /** Largest distance of borders from the polylines that draw them, in diagonals of the mesh. */
   readonly deviation: number;
@@ -42,6 +46,7 @@ export const DEFAULT_VORONOI: VoronoiState = {
   count: 60,
   seed: 1,
   scattered: false,
+  accuracy: NORMAL,
   exactness: "exact",
   deviation: 1e-5,
   weights: { centroidal: 1, regularity: 0, equal_area: 0, edge_length: 0, planarity: 0 },
@@ -68,13 +73,28 @@ export function withoutSite(state: VoronoiState, site: number): VoronoiState {
 }
 
 export function diagramRequest(mesh: string, state: VoronoiState, sites: VoronoiDiagramRequest["sites"], statistics: boolean): VoronoiDiagramRequest {
-  const accuracy = { method: state.exactness, ...(state.exactness === "bounded" && { relative_error: RELATIVE_ERROR }), border_deviation: state.deviation };
-  return { mesh, sites, accuracy, pieces: true, statistics };
+  const { exactness, deviation } = ownValues(state);
+  const accuracy = { method: exactness, ...(exactness === "bounded" && { relative_error: RELATIVE_ERROR }), border_deviation: deviation };
+  return atLevel({ mesh, sites, accuracy, pieces: true, statistics }, "voronoi", state.accuracy);
+}
+
+/** The values of one's own, or the usual ones at a level. */
+function ownValues(state: VoronoiState): OwnValues {
+  return state.accuracy.level === "own" ? state : DEFAULT_VORONOI;
+}
+
+type OwnValues = Pick<VoronoiState, "exactness" | "deviation" | "tolerance">;
+
+/** The level of a link that names none, as those of earlier versions: values of one's own count. */
+function usualLevel({ exactness, deviation, tolerance }: OwnValues): AccuracyChoice["level"] {
+  const usual = exactness === DEFAULT_VORONOI.exactness && deviation === DEFAULT_VORONOI.deviation && tolerance === DEFAULT_VORONOI.tolerance;
+  return usual ? "normal" : "own";
 }
 
 export function optimizationRequest(mesh: string, state: VoronoiState, sites: readonly SurfacePoint[]): VoronoiOptimizationRequest {
   const objectives = Object.fromEntries(OBJECTIVES.filter((name) => state.weights[name] > 0).map((name) => [name, state.weights[name]]));
-  return {
+  const { tolerance, deviation } = ownValues(state);
+  const request: VoronoiOptimizationRequest = {
     mesh,
     sites: [...sites],
     objectives,
@@ -82,9 +102,10 @@ export function optimizationRequest(mesh: string, state: VoronoiState, sites: re
     ...(state.weights.edge_length > 0 && state.targetLength > 0 && { target_length: state.targetLength }),
     fixed_sites: state.fixed.filter((site) => site < sites.length),
     method: state.minimizer,
-    accuracy: { tolerance: state.tolerance, border_deviation: state.deviation },
+    accuracy: { tolerance, border_deviation: deviation },
     max_iterations: state.maxIterations,
   };
+  return atLevel(request, "voronoi_optimizations", state.accuracy);
 }
 
 /** Values of a diagram in a link, in the order in which the links of version 0.1 have them. */
@@ -105,7 +126,7 @@ export function writeVoronoi(state: VoronoiState): [string, string][] {
     "max-iterations": maxIterations,
     deviation,
   });
-  return [["voronoi", values], ...(fixed.length > 0 ? [["fixed-sites", fixed.join(",")] as [string, string]] : [])];
+  return [["voronoi", values], ...writeChoice(state.accuracy, usualLevel(state)), ...(fixed.length > 0 ? [["fixed-sites", fixed.join(",")] as [string, string]] : [])];
 }
 
 /** The settings from the fields of a link, with defaults for missing and invalid values; null if the link has no diagram. */
@@ -117,17 +138,21 @@ export function readVoronoi(fields: Fields): VoronoiState | null {
   // The links of version 0.1 say "held".
   const fixedSites = (fields.get("fixed-sites") ?? fields.get("held") ?? "").split(",").filter((site) => /^\d{1,6}$/.test(site)).map(Number);
   const { count, seed, tolerance, maxIterations, deviation } = DEFAULT_VORONOI;
+  const own: OwnValues = {
+    exactness: choiceOf(values.get("exactness"), EXACTNESSES, "exact"),
+    tolerance: numberOf(values.get("tolerance"), 1e-12, 1, tolerance),
+    deviation: numberOf(values.get("deviation"), 1e-7, 1, deviation),
+  };
   return {
     count: wholeOf(values.get("count"), 1, MAX_SITES, count),
     seed: wholeOf(values.get("seed"), 0, MAX_SITE_SEED, seed),
     scattered: values.get("scattered") === "1",
-    exactness: choiceOf(values.get("exactness"), EXACTNESSES, "exact"),
+    ...own,
+    accuracy: readChoice(fields, usualLevel(own)),
     weights,
     targetLength: numberOf(values.get("target-length"), 0, Number.MAX_VALUE, 0),
     fixed: [...new Set(fixedSites)].sort((a, b) => a - b),
     minimizer: choiceOf(values.get("minimizer"), MINIMIZERS, "automatic"),
-    tolerance: numberOf(values.get("tolerance"), 1e-12, 1, tolerance),
     maxIterations: wholeOf(values.get("max-iterations"), 1, MAX_VORONOI_ITERATIONS, maxIterations),
-    deviation: numberOf(values.get("deviation"), 1e-7, 1, deviation),
   };
 }

@@ -22,7 +22,7 @@ export interface Profile {
   readonly shortOfLimits: number;
   /** Upper bound of the relative error of energies that this causes; null if it is not known. */
   readonly limitError: number | null;
-  /** Estimated errors, that of Young's modulus relative and that of Poisson's ratio as it is; null where they are not known. */
+  /** Estimated errors in the units of the values; null where they are not known. */
   readonly youngsError: readonly (number | null)[];
   readonly poissonError: readonly (number | null)[];
   readonly effects: readonly Effect[];
@@ -88,6 +88,12 @@ export function nearestDirection(profile: Profile, angle: number): number {
     if (distance < least) [least, best] = [distance, k];
   });
   return best;
+}
+
+/** The estimated error of Young's modulus in a direction over the modulus; null where it is not known. */
+export function youngsErrorAt({ youngs, youngsError }: Pick<Profile, "youngs" | "youngsError">, index: number): number | null {
+  const [value, error] = [youngs[index], youngsError[index] ?? null];
+  return value && error !== null ? error / Math.abs(value) : null;
 }
 
 /** The error of Young's modulus over the directions that the answer states; null without one. */

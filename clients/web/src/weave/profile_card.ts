@@ -12,7 +12,7 @@ import { withTerm } from "../base/terms";
 import type { DeformedCell } from "./deformed_cell";
 import type { Pins } from "./pins";
 import { type ChartView, PolarChart } from "./polar_chart";
-import { extremes, gapWords, nearestDirection, poissonCurve, type Profile, youngsCurve } from "./profile";
+import { extremes, gapWords, nearestDirection, poissonCurve, type Profile, youngsCurve, youngsErrorAt } from "./profile";
 import { type ProfileActivity, profileKey, type WeaveSession } from "./session";
 import { isPeriodic, STRAIN_LIMITS, usableStrain } from "./state";
 
@@ -108,7 +108,8 @@ export class ProfileCard {
     this.showReading(profile, index);
     this.showLegend(profile);
     const { space, accuracy } = this.session.state.get();
-    const settings = { buckling: accuracy.switches.buckling ?? "automatic", out_of_plane: space } as const;
+    const switched = (name: string) => accuracy.switches[name] ?? "automatic";
+    const settings = { buckling: switched("buckling"), out_of_plane: space, error_estimate: switched("error_estimate") };
     const chips = chipsOf(profile?.effects ?? [], settings, profile?.accuracy);
     this.chips.show(stale ? outdated(chips) : chips);
     replace(this.notes, ...notesOf(profile).map((sentence) => h("p", { class: "note" }, sentence)));
@@ -119,7 +120,7 @@ export class ProfileCard {
     const [youngs, poisson] = [profile.youngs[index], profile.poisson[index]];
     const value = (number: number | null, unit: string) => h("strong", {}, number === null ? "–" : quantity(number, unit, 4));
     const told = (error: string) => error !== "" && h("span", { class: "number-error" }, ` ${error}`);
-    replace(this.reading, `At ${degrees(profile.directions[index])}: Young’s modulus `, value(youngs, "N/m"), told(withError("", profile.youngsError[index]).trim()),
+    replace(this.reading, `At ${degrees(profile.directions[index])}: Young’s modulus `, value(youngs, "N/m"), told(withError("", youngsErrorAt(profile, index)).trim()),
       ", Poisson’s ratio ", value(poisson, ""), told(absoluteError(profile.poissonError[index])), ".");
   }
 

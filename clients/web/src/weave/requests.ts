@@ -1,7 +1,6 @@
 // The requests of the weave page, made from its state.
-import { switchesOf } from "../base/accuracy_choice";
 import { atLevel } from "../base/accuracy_levels";
-import type { Weave, WeaveHomogenizationRequest, WeaveLayoutRequest, WeaveSimulationRequest, WeaveStrands } from "../contract/types";
+import type { Weave, WeaveHomogenizationRequest, WeaveLayoutRequest, WeaveStrands } from "../contract/types";
 import { DEFAULT_STATE, type WeaveState } from "./state";
 
 /** Numbers of directions over half a turn: for a preview during changes, and for the final plot. */
@@ -57,19 +56,14 @@ export function homogenizationRequest(state: WeaveState, directions: number | re
     strain: state.strain,
     directions: typeof directions === "number" ? directions : [...directions],
     shear: state.shear,
-    ...cellSettings(state),
+    ...weaveSettings(state),
   };
 }
 
-/** Accuracy and effects of a cell at the chosen level. */
-function cellSettings(state: WeaveState): Pick<WeaveHomogenizationRequest, "accuracy" | "effects"> {
+/** Accuracy and effects of a cell or a sheet at the chosen level. */
+export function weaveSettings(state: WeaveState): Pick<WeaveHomogenizationRequest, "accuracy" | "effects"> {
   const segments = state.accuracy.level === "own" ? state.segments : DEFAULT_STATE.segments;
   return atLevel({ accuracy: { segments }, effects: { out_of_plane: state.space } }, "weaves", state.accuracy);
-}
-
-/** Accuracy and effects of a sheet at the chosen level: pieces of rod as in the cell, and no effects that only cells have. */
-export function sheetSettings(state: WeaveState): Pick<WeaveSimulationRequest, "accuracy" | "effects"> {
-  return { accuracy: cellSettings(state).accuracy, effects: { out_of_plane: state.space, ...switchesOf(state.accuracy, "weaves") } };
 }
 
 /** The request for one direction, with the deformed cell. */

@@ -2,7 +2,7 @@
 import type { CrossingOverride, Weave, WeaveLayout, WeaveSimulation, WeaveSimulationRequest, WeaveStrands } from "../contract/types";
 import { slidingMembers } from "./connections";
 import { angleBetween, boxAround, directionAt, latticeCoordinates, latticePoint, periodicDistance } from "./geometry";
-import { sheetSettings, weaveOf } from "./requests";
+import { weaveOf, weaveSettings } from "./requests";
 import { type FreeLayout, isPeriodic, type Lattice, type LoadKind, type Point, type SheetState, type Strand, type WeaveState } from "./state";
 
 /** Number of states along the load path, without the state at rest. */
@@ -120,7 +120,7 @@ export function simulationRequest(state: WeaveState, weave: Weave, sheet: WeaveL
     supports: sheetSupports(state.sheet, sheet),
     states: SHEET_STATES,
     deformed: "json",
-    ...sheetSettings(state),
+    ...weaveSettings(state),
   };
 }
 

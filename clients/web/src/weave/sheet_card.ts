@@ -1,4 +1,5 @@
 // The card of a sheet under load: controls of sheet and load, and the results.
+import { withError } from "../base/accuracy_words";
 import { announce } from "../base/announce";
 import { button, Select, Slider } from "../base/controls";
 import { h, replace } from "../base/dom";
@@ -157,7 +158,7 @@ class SheetView {
     const rise = heights.reduce((max, height) => Math.max(max, height), 0);
     return [
       [LOAD_WORDS[load], percent(amount * state.share)],
-      ["Force", `${digits(loadForce(result.answer, index - 1, load))} N`],
+      ["Force", withError(`${digits(loadForce(result.answer, index - 1, load))} N`, forceError(result.answer))],
       ["Elastic energy", `${digits(state.energy)} N mm`],
       ["Rise out of the plane", state.out_of_plane ? `${digits(rise)} mm` : "none"],
       ["Equilibrium", state.stopped === "converged" ? (state.stable ? "stable" : "not stable") : TERMINATION_WORDS[state.stopped]],
@@ -169,6 +170,12 @@ class SheetView {
     const name = `sheet-${this.index}.${kind}`;
     return this.sheet.file(kind, this.index - 1, (text) => download(name, kind === "obj" ? "model/obj" : "application/xml", text));
   }
+}
+
+/** The estimated error of forces; null where the answer does not state one. */
+function forceError({ accuracy }: { readonly accuracy: object }): number | null {
+  const { discretization_error } = accuracy as { discretization_error?: { reactions?: number } | null };
+  return discretization_error?.reactions ?? null;
 }
 
 function makeViewer(): SheetViewer | null {

@@ -3,7 +3,7 @@ import { Observable } from "../base/observable";
 import type { Client } from "../contract/client";
 import { type Activity, JobRunner, type Run, type WorkInWords } from "../contract/runner";
 import type { WeaveLayout, WeaveSimulation, WeaveSimulationRequest } from "../contract/types";
-import { layoutRequest, sheetSettings } from "./requests";
+import { layoutRequest, weaveSettings } from "./requests";
 import type { WeaveSession } from "./session";
 import { simulationRequest } from "./sheet";
 import { layOutSheet } from "./sheet_layout";
@@ -22,7 +22,7 @@ export interface SheetResult {
 /** A key of all that the result depends on. */
 export function sheetKey(state: WeaveState): string {
   const { columns, rows, load, amount } = state.sheet;
-  return JSON.stringify([layoutRequest(state), sheetSettings(state), isPeriodic(state) && [columns, rows], load, amount]);
+  return JSON.stringify([layoutRequest(state), weaveSettings(state), isPeriodic(state) && [columns, rows], load, amount]);
 }
 
 export class SheetSession {
