@@ -317,7 +317,7 @@ describe("a first visit, the verdict with its ways out, the card of the part and
     const focused = () => page.evaluate(() => document.activeElement.ariaLabel ?? document.activeElement.labels?.[0]?.textContent ?? document.activeElement.textContent);
     await page.getByRole("button", { name: "Close, and do not show it again" }).focus();
     await page.keyboard.press("Enter");
-    assert.equal(await focused(), "Examples", "the next button after a card that was closed");
+    assert.equal(await focused(), "Design", "the heading of the page after a card that was closed");
     await page.getByRole("region", { name: "Verdict" }).getByRole("button").first().focus();
     const walked = [await focused()];
     while (walked.at(-1) !== WAY.sentence.replace(/\.$/, "") && walked.length < 8) {

@@ -54,6 +54,7 @@ describe("a first visit", () => {
     await picture(page, "welcome");
     await welcome.getByRole("button", { name: /^Plateau/ }).click();
     await welcome.waitFor({ state: "hidden" });
+    assert.equal(await page.evaluate(() => document.activeElement.textContent), "Design", "the focus goes to the heading of the page");
     await design.settled();
     assert.match(page.url(), /points=/);
     await page.reload();

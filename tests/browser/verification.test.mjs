@@ -67,7 +67,9 @@ describe("a verification", () => {
     const { page } = design;
     await design.button("Verify by simulation").click();
     await until(async () => (await (await fetch(`${server.url}/v1/jobs?limit=1`)).json()).jobs[0]?.kind === "designs", "the job");
-    await page.locator(".verification").getByRole("button", { name: "Cancel" }).click();
+    const cancel = page.locator(".verification").getByRole("button", { name: "Cancel" });
+    assert.ok(await cancel.evaluate((button) => button === document.activeElement), "the focus goes to what can be done next");
+    await cancel.click();
     await design.button("Verify by simulation").waitFor();
     await until(async () => (await (await fetch(`${server.url}/v1/jobs?limit=1`)).json()).jobs[0]?.state === "dismissed", "the job’s dismissal");
     await closePage(page);

@@ -21,6 +21,7 @@ describe("a target that is missed", () => {
     assert.equal(await page.getByRole("button", { name: /^Relax point/ }).count(), 0, "a point gives way only where nothing else helps");
     await picture(page, "design-ways-out");
     await way.click();
+    assert.ok(await page.evaluate(() => document.querySelector(".verdict-line").contains(document.activeElement)), "the focus stays in the line of the verdict");
     await design.settled();
     const last = page.designs.asked.filter((one) => one.session).at(-1);
     assert.deepEqual([last.material, last.family], [{ youngs_modulus: 520 }, "IH29"]);

@@ -13,6 +13,9 @@ const PATH = "/v1/designs";
 const REQUEST = { task: "stress_strain", family: "IH21", initial: [0.1234567], session: "web-1" };
 const PLACE = { page: "design", link: "family=IH21" };
 
+// A busy machine has time.
+vi.setConfig({ testTimeout: 120_000 });
+
 const storage = new Map<string, string>();
 const stub = { getItem: (key: string) => storage.get(key) ?? null, setItem: (key: string, value: string) => void storage.set(key, value) };
 

@@ -63,6 +63,6 @@ describe("a part", () => {
     answer = new Error("too narrow");
     part.describe(FOUND);
     await new Promise((resolve) => setTimeout(resolve, 0));
-    expect(part.state.get()).toEqual({ kind: "failed", sentence: "too narrow" });
+    expect(part.state.get()).toEqual({ kind: "failed", sentence: "too narrow", curves: [] });
   });
 });

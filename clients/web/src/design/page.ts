@@ -23,6 +23,7 @@ import { pinList } from "./pin_list";
 import { Pins } from "./pins";
 import { PlotPanel } from "./plot_panel";
 import { regionCard } from "./region_card";
+import { regionsRequest } from "./requests";
 import { resultCard } from "./result_card";
 import { DesignSession } from "./session";
 import { beginWith, startMenu } from "./start_menu";
@@ -57,17 +58,18 @@ export function designPage({ client, link }: PageContext): Page {
   ]);
   const parts = partCard(session, part);
   const line = verdictLine(session, verification, waysOut, background, () => openPart(parts));
+  const heading = h("h1", { class: "visually-hidden", tabindex: -1 }, "Design");
   const empty = h("p", { class: "card note wide", role: "alert", hidden: true }, "This server has no neural models: start it with --models and a folder of them.");
   const element = h(
     "div",
     { class: "design-page" },
-    h("h1", { class: "visually-hidden" }, "Design"),
+    heading,
     empty,
-    welcome((start) => beginWith(session, start)),
+    welcome((start) => beginWith(session, start), () => heading.focus()),
     h("div", { class: "column left" }, targetControls(session, startMenu(session)), specificationCard(session), measuredCard(measured), parameterPanel(session)),
     h("div", { class: "column middle" }, panel.element, line, valueTable(session)),
     h("div", { class: "column right" }, tilingPreview(session, verification, client), parts, regionCard(session, verification),
-      resultCard(session, overlays, verification, waysOut, background), verificationCard(session, verification), pinList(pins, client)),
+      resultCard(session, overlays, verification, waysOut, background), verificationCard(session, verification, waysOut), pinList(pins, client)),
   );
 
   handleDrops(element, (text, name, bytes) => (isDrawing(name, text) ? part.open(text, name) : measured.read(tableOf(bytes), name)));
@@ -107,6 +109,12 @@ export function designPage({ client, link }: PageContext): Page {
       document.removeEventListener("keydown", keys);
       background.setOpen(false);
       address.close();
+    },
+    resume(path) {
+      // The link alone asks for the selected region.
+      const regions = session.regionEdits.all;
+      const known = client.jobs?.known(path, regionsRequest(regions, "")) ?? null;
+      if (regions.length > 1 && known !== null) session.search.searchRegions();
     },
     reconnected() {
       if (started) {

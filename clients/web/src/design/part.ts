@@ -1,6 +1,7 @@
 // A part made of the shown design: its settings, its requests, and the server's answers.
 import { Observable } from "../base/observable";
 import { type Client, explain, Problem } from "../contract/client";
+import { entriesAtFault } from "../contract/refusals";
 import { JobRunner } from "../contract/runner";
 import type { OutlineRequest, Outlines, PartAnswer, PartRequest } from "../contract/types";
 import type { LayoutChoices, Drawing, PartLayout, RegionLocation } from "./drawing";
@@ -152,7 +153,16 @@ export function outlineRequest(text: string, width: number | null, resolution: n
 export type PartState =
   | { readonly kind: "none" }
   | { readonly kind: "made"; readonly answer: PartAnswer }
-  | { readonly kind: "failed"; readonly sentence: string };
+  /** `curves`: those of the part that are at fault. */
+  | { readonly kind: "failed"; readonly sentence: string; readonly curves: readonly Polygon[] };
+
+/** The curves of a part that a refused request names: of its outline, and of its regions. */
+export function curvesAtFault(error: unknown, product: Product | null): readonly Polygon[] {
+  if (!(error instanceof Problem) || !product) return [];
+  const { document } = error;
+  const named = [...entriesAtFault(document, "polygons").map((entry) => product.outline[entry]), ...entriesAtFault(document, "regions").map((entry) => product.regions[entry]?.outline)];
+  return named.filter((curve): curve is Polygon => curve !== undefined);
+}
 
 /** The user's choices for a drawing. `walls`: width of the walls of each region in mm; undefined for the width of its design. */
 export interface DrawingChoices extends LayoutChoices {
@@ -182,7 +192,7 @@ export class Part {
   describe(found: TilingDesign, product: Product | null = null): void {
     const request = { ...partRequest(found, this.settings.get(), product), svg: true };
     this.requests.follow(async (run) => this.state.set({ kind: "made", answer: await run.post<PartAnswer>("/v1/parts", request) }),
-      (error) => this.state.set({ kind: "failed", sentence: explain(error) }), true);
+      (error) => this.state.set({ kind: "failed", sentence: explain(error), curves: curvesAtFault(error, product) }), true);
   }
 
   /** The part as a file with its name. */

@@ -41,9 +41,10 @@ class PartPicture {
   private readonly regions = svg("g", { class: "sketch-regions" });
   private readonly solid = svg("path", { class: "solid", "fill-rule": "evenodd" });
   private readonly ends = svg("path", { class: "ends" });
+  private readonly faults = svg("path", { class: "faults" });
   private readonly halo = svg("path", { class: "load-halo" });
   private readonly arrow = svg("path", { class: "load-arrow" });
-  readonly element = svg("svg", { class: "part-drawing", role: "img", "aria-label": "The part" }, this.outline, this.regions, this.solid, this.ends, this.halo, this.arrow);
+  readonly element = svg("svg", { class: "part-drawing", role: "img", "aria-label": "The part" }, this.outline, this.regions, this.solid, this.ends, this.faults, this.halo, this.arrow);
   private centre: readonly [number, number] = [0, 0];
   private key = "";
 
@@ -51,6 +52,7 @@ class PartPicture {
     const key = JSON.stringify(sketch);
     if (!sketch || key === this.key) return;
     this.key = key;
+    this.mark([]);
     const { lower, upper, axis } = sketch;
     const [width, height] = [upper[0] - lower[0], upper[1] - lower[1]];
     const margin = MARGIN * Math.max(width, height);
@@ -76,6 +78,11 @@ class PartPicture {
     this.name(`The part, ${size.map((value) => digits(value)).join(" by ")} mm`);
   }
 
+  /** Marks curves that are at fault; none of them removes the marks. */
+  mark(curves: Sketch["outline"]): void {
+    this.faults.setAttribute("d", pathOf(curves, this.centre));
+  }
+
   private name(words: string): void {
     this.element.setAttribute("aria-label", words);
   }
@@ -89,6 +96,7 @@ export function partResult(part: Part, files: HTMLElement): { element: HTMLEleme
   part.state.watch((state) => {
     note.textContent = noteOf(state);
     picture.element.classList.toggle("old", state.kind === "failed");
+    picture.mark(state.kind === "failed" ? state.curves : []);
     if (state.kind !== "made") return;
     const { answer } = state;
     picture.made(answer);

@@ -97,7 +97,7 @@ function targetList(session: DesignSession, verification: Verification, inSight:
     return h("li", { class: known === inSight ? "in-sight" : null }, h("span", { class: "target-name" }, targetWords(session.targets[k] ?? target)),
       h("span", { class: `verdict-mark ${verdict?.grade ?? ""}` }, verdict ? markWords(verdict) : "not known yet"),
       h("strong", {}, known && verdict ? percent(deviationFrom(known, verdict)) : "–"));
-  })), h("p", { class: "overall" }, h("span", {}, "All together (rms)"), h("strong", {}, percent(inSight.overall))));
+  })), h("p", { class: "overall" }, h("span", {}, "All together, by the model (rms)"), h("strong", {}, percent(inSight.overall))));
 }
 
 function markWords({ grade, source }: Judgement): string {
@@ -144,7 +144,7 @@ function facts(shown: TargetResponse, error: ModelError | null, judgement: Judge
   const rows: [string, string][] = [
     [isSimulated ? `${of}, simulated (rms)` : `${of} (rms)`, withError(percent(deviationFrom(shown, judgement)), uncertainty)],
     ...(isSimulated ? [["By the model (rms)", percent(shown.deviation)] as [string, string]] : []),
-    ["Largest", `${digits(shown.largest)}${unit && ` ${unit}`}`],
+    ["Largest, by the model", `${digits(shown.largest)}${unit && ` ${unit}`}`],
     ["Parameters", shown.found.parameters.map((value) => digits(value, 4)).join(", ")],
   ];
   rows.push(...measureRows(shown.measures));

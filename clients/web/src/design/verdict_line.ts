@@ -2,6 +2,7 @@
 // sight, with the buttons that verify the design and lead to its part.
 import { button, Checkbox } from "../base/controls";
 import { h, replace } from "../base/dom";
+import { keepFocus } from "../base/focus";
 import { seconds } from "../base/format";
 import { icon } from "../base/icons";
 import type { Background } from "./background";
@@ -15,7 +16,7 @@ import type { WayOut, WaysOut } from "./ways_out";
 /** `toPart` leads to the card of the part. */
 export function verdictLine(session: DesignSession, verification: Verification, waysOut: WaysOut, background: Background, toPart: () => void): HTMLElement {
   const mark = h("span", { class: "verdict-icon", hidden: true }, icon("check"));
-  const words = h("p", { class: "verdict-words" });
+  const words = h("p", { class: "verdict-words", tabindex: -1 });
   const state = h("p", { class: "verdict-state muted" });
   const verify = button("Verify", () => void verification.verify(), { kind: "primary", title: "Simulate the whole structure" });
   const stop = button("Stop checking", () => verification.cancel(), { kind: "quiet" });
@@ -32,13 +33,10 @@ export function verdictLine(session: DesignSession, verification: Verification, 
   let drawnWays: readonly WayOut[] = [];
 
   function show(): void {
-    const focused = element.contains(document.activeElement) ? document.activeElement : null;
-    redraw();
-    // The button that was pressed may be gone, and the keyboard goes on from what has taken its place.
-    if (focused && (!focused.isConnected || focused.closest("[hidden]"))) [stop, verify, save].find((one) => !one.hidden && !one.disabled)?.focus({ preventScroll: true });
+    keepFocus(element, update, stop, verify, save, words);
   }
 
-  function redraw(): void {
+  function update(): void {
     const shown = session.results.shown.get();
     const fresh = freshness(shown, session.state.get());
     const judgement = shown && fresh !== "other" && !shown.provisional ? judgedDesign(session, verification, shown) : null;

@@ -3,14 +3,16 @@ import { announce } from "../base/announce";
 import { h, replace } from "../base/dom";
 import { EffectChips } from "../base/effect_chips";
 import { type Chip, chipsOf } from "../base/effect_words";
+import { keepFocus } from "../base/focus";
 import { percent, seconds } from "../base/format";
 import { PatchView } from "./patch_view";
 import type { DesignSession } from "./session";
+import { goesOn, polishHelp } from "./polish_help";
 import type { PolishRound } from "./polish_rounds";
-import { limits } from "./verdict_words";
 import type { PatchState, RunningSimulation, SimulatedTarget, Verification, VerificationState } from "./verification";
+import type { WaysOut } from "./ways_out";
 
-export function verificationCard(session: DesignSession, verification: Verification): HTMLElement {
+export function verificationCard(session: DesignSession, verification: Verification, waysOut: WaysOut): HTMLElement {
   const verify = button("Verify by simulation", () => void verification.verify(), { kind: "primary" });
   const polish = button("Polish by simulation", () => void verification.polish(), {
     title: "Corrects the parameters until the simulation, not the model alone, follows the target",
@@ -19,10 +21,11 @@ export function verificationCard(session: DesignSession, verification: Verificat
   const patch = button("Show the deformed patch", () => void verification.showPatch());
   const chips = new EffectChips("What the simulation found");
   const rounds = h("ol", { class: "polish-rounds", "aria-label": "Rounds of the polish" });
-  const words = h("p", { class: "muted" });
+  const words = h("p", { class: "muted", tabindex: -1 });
   const bar = h("progress", { max: 1, "aria-label": "Progress of the simulation" });
   const view = new PatchView();
   const patchWords = h("p", { class: "muted" });
+  const section = h("section", { class: "card verification", "aria-label": "Verification" });
 
   // A response to an earlier state is not verified: its curve would be stored for another material or orientation.
   for (const part of [session.results.shown, session.state]) part.watch(() => (verify.disabled = polish.disabled = !session.results.isCurrent));
@@ -32,6 +35,7 @@ export function verificationCard(session: DesignSession, verification: Verificat
     if (state.kind === "done") lastSeconds = state.seconds;
     words.textContent = sentence(state, verification.simulated, lastSeconds, verification.rounds.list.get());
     chips.show(state.kind === "done" ? simulationChips(state, verification.simulated) : []);
+    if (state.kind === "done" && state.polish) words.textContent = [words.textContent, polishHelp(state.polish, waysOut.state.get())].join(" ").trim();
     words.className = state.kind === "failed" ? "note" : state.kind === "done" ? "verdict" : "muted";
   };
   verification.state.watch((state) => {
@@ -42,6 +46,7 @@ export function verificationCard(session: DesignSession, verification: Verificat
   });
   // The card shows the result for the selected target.
   session.results.shown.watch(() => tell(verification.state.get()));
+  waysOut.state.watch(() => tell(verification.state.get()));
   verification.rounds.list.watch((list) => {
     replace(rounds, ...list.map((round) => h("li", { class: round.isBest ? "best" : null }, roundWords(round))));
     rounds.hidden = list.length === 0;
@@ -57,21 +62,24 @@ export function verificationCard(session: DesignSession, verification: Verificat
   });
 
   function show(): void {
+    keepFocus(section, update, cancel, patch, words);
+  }
+
+  function update(): void {
     const state = verification.state.get();
     const patchState = verification.patch.get();
     const progress = progressOf(state, patchState);
     bar.hidden = cancel.hidden = progress === null;
     verify.hidden = progress !== null || state.kind === "done";
-    polish.hidden = progress !== null || (state.kind === "done" && (state.polish?.rounds.length ?? 0) > 1);
+    polish.hidden = progress !== null || (state.kind === "done" && state.polish !== null && state.polish.rounds.length > 1 && !goesOn(state.polish));
     patch.hidden = progress !== null || state.kind !== "done" || patchState.kind !== "none";
     if (progress !== null) bar.value = progress;
     view.element.hidden = patchState.kind !== "done";
     patchWords.hidden = patchWords.textContent === "";
   }
 
-  show();
-  const section = h("section", { class: "card verification", "aria-label": "Verification" });
   replace(section, h("h2", {}, "Verification"), words, chips.element, rounds, h("div", { class: "row" }, verify, polish, patch, bar, cancel), view.element, patchWords);
+  show();
   return section;
 }
 
@@ -113,9 +121,6 @@ function doneSentence({ simulated, polish, seconds: elapsed }: Extract<Verificat
     words.push(`The simulation is ${percent(polish.target_error)} from the ${simulated.length > 1 ? "targets" : "target"} (rms)${before}.`);
   }
   if (deviation !== null) words.push(`${simulated.length > 1 ? "Of the target in sight the" : "The"} simulation and the model differ by ${percent(deviation)} (rms).`);
-  if (polish && polish.rounds.length > 1 && polish.stopped === "no_improvement" && (polish.target_error ?? 1) > limits.reached) {
-    words.push("No polish brings it closer: turning the structure, another material, a shorter range or another family may.");
-  }
   if (mesh !== null) words.push(`The mesh of the simulation makes an error of less than about ${percent(mesh)}.`);
   words.push(`Simulated in ${seconds(elapsed)}.`);
   return words.join(" ");

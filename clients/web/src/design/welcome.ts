@@ -14,18 +14,17 @@ function wasClosed(): boolean {
   }
 }
 
-/** `choose`: starts with an example. */
-export function welcome(choose: (start: Start) => void): HTMLElement {
+/** `choose`: starts with an example. `closed`: called when it is closed, so that the focus goes elsewhere. */
+export function welcome(choose: (start: Start) => void, closed: () => void): HTMLElement {
   const starts = WELCOME_STARTS.flatMap((name) => STARTS.find((start) => start.name === name) ?? []);
   const close = (): void => {
-    const next = element.contains(document.activeElement) ? element.nextElementSibling?.querySelector<HTMLElement>("button") : null;
     element.hidden = true;
-    next?.focus({ preventScroll: true }); // the pressed button is gone
     try {
       localStorage.setItem(KEY, "closed");
     } catch {
       // storage is blocked: the next visit begins with it again
     }
+    closed();
   };
   const pictures = starts.map((start) =>
     h("li", {}, h("button", {

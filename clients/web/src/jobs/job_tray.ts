@@ -5,6 +5,7 @@ import { button } from "../base/controls";
 import { h } from "../base/dom";
 import { menu } from "../base/menu";
 import type { Connection } from "../contract/connection";
+import { problemWords } from "../contract/refusals";
 import type { Job } from "../contract/types";
 import { JobRow, type RowActions, type RowJob } from "./job_row";
 import { bestWords, endpointWords } from "./job_words";
@@ -139,5 +140,5 @@ export class JobTray {
 function rowOf(job: Job): RowJob {
   const { id, kind, state, progress, remaining_seconds: remaining, created, finished, priority } = job;
   const took = finished ? Math.max(0, (Date.parse(finished) - Date.parse(created)) / 1000) : null;
-  return { id, words: endpointWords(`/v1/${kind}`), state, progress, remaining, took, found: job.error?.detail ?? bestWords(job, ""), isBackground: priority === "background" };
+  return { id, words: endpointWords(`/v1/${kind}`), state, progress, remaining, took, found: job.error ? problemWords(job.error) : bestWords(job, ""), isBackground: priority === "background" };
 }

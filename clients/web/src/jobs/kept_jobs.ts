@@ -161,14 +161,13 @@ export class KeptJobs {
     const candidates = this.list.get().filter((job) => job.path === path && !this.followed.has(job.id) && (job.id === this.wanted || (job.tab === this.tab && isUnfinished(job))));
     if (candidates.length === 0) return null;
     const key = textKey(request, WITHOUT_EFFECT);
-    const found = candidates.find((job) => job.key === key);
-    if (found?.id === this.wanted) this.wanted = "";
-    return found?.id ?? null;
+    return candidates.find((job) => job.key === key)?.id ?? null;
   }
 
   private begin({ id, ...job }: Pick<Job, "id"> & Partial<Job>, path: string, request: unknown, place: PagePlace): void {
     this.followed.add(id);
     this.forgotten.delete(id);
+    if (id === this.wanted) this.wanted = "";
     if (this.list.get().some((kept) => kept.id === id)) return this.change(id, (kept) => ({ ...kept, tab: this.tab }));
     const isBackground = (job.priority ?? (request as { priority?: string } | null)?.priority) === "background";
     const { state = "accepted", progress = 0, remaining_seconds: remaining = null } = job;

@@ -7,7 +7,7 @@ import type { Triple } from "./membrane";
 import type { Vector } from "./mesh_data";
 import type { Rgb } from "./spring_colours";
 
-export type DotKind = "free" | "fixed" | "chosen" | "support";
+export type DotKind = "free" | "fixed" | "chosen" | "support" | "faulty";
 
 export interface NetworkPicture {
   readonly positions: readonly Vector[];
@@ -92,8 +92,14 @@ export class NetworkDrawing {
     const dots = this.positions.length;
     const free = dots > MAX_POINTS_WITH_MEDIUM_DOTS ? 5 : dots > MAX_POINTS_WITH_LARGE_DOTS ? 9 : 12;
     const geometry = new THREE.BufferGeometry();
-    const kinds: Record<DotKind, THREE.Color> = { free: colourOf("free"), fixed: colourOf("fixed"), chosen: colourOf("chosen"), support: colourOf("support") };
-    const sizes: Record<DotKind, number> = { free, fixed: 15, chosen: 17, support: dots > MAX_POINTS_WITH_LARGE_DOTS ? 7 : 11 };
+    const kinds: Record<DotKind, THREE.Color> = {
+      free: colourOf("free"),
+      fixed: colourOf("fixed"),
+      chosen: colourOf("chosen"),
+      support: colourOf("support"),
+      faulty: colourOf("faulty"),
+    };
+    const sizes: Record<DotKind, number> = { free, fixed: 15, chosen: 17, support: dots > MAX_POINTS_WITH_LARGE_DOTS ? 7 : 11, faulty: 21 };
     this.dotMaterial.uniforms.rim.value = colourOf("rim");
     geometry.setAttribute("position", new THREE.Float32BufferAttribute(this.positions.flatMap((place) => [...place]), 3));
     geometry.setAttribute("colour", new THREE.Float32BufferAttribute(this.positions.flatMap((_, k) => kinds[picture?.kinds[k] ?? "free"].toArray()), 3));

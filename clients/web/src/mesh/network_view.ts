@@ -5,6 +5,7 @@ import type { PathPoint } from "../contract/types";
 import { deformationColour, type DeformationBy, deformationOf, greatestFactor } from "./deformation";
 import { facePosition, type MeshData, type Vector } from "./mesh_data";
 import { exactTriangles, exactValues, materialOf, springsOf, straightTriangles, straightValues, type SpringValues, type TriangleValues } from "./network";
+import { faultyPoints } from "./network_faults";
 import type { DotKind, NetworkPicture } from "./network_drawing";
 import type { Frame } from "./network_frames";
 import type { NetworkSession } from "./network_session";
@@ -41,6 +42,8 @@ export class NetworkView {
   /** Whether a deformed surface is drawn in its shape at rest. */
   readonly atRest = new Observable(false);
   private hostKey: readonly unknown[] = [];
+  /** The points at fault, which are marked. */
+  private faulty: readonly number[] = [];
 
   constructor(private readonly session: NetworkSession) {
     session.relaxing.watch((relaxing) => {
@@ -50,6 +53,12 @@ export class NetworkView {
     for (const part of [session.network, session.state, session.chosen, this.frame, this.colourBy, this.triangleColourBy, this.deformationBy, this.atRest]) {
       part.watch(() => this.draw());
     }
+    session.activity.watch((activity) => {
+      const faulty = faultyPoints(activity, session.state.get(), session.network.get());
+      if (faulty.join() === this.faulty.join()) return;
+      this.faulty = faulty;
+      this.draw();
+    });
   }
 
   private draw(): void {
@@ -70,6 +79,7 @@ export class NetworkView {
     for (const point of fixed) if (point < kinds.length) kinds[point] = "fixed";
     const chosen = this.session.chosen.get();
     if (chosen !== null && chosen < kinds.length) kinds[chosen] = "chosen";
+    for (const point of this.faulty) if (point < kinds.length) kinds[point] = "faulty";
     const triangleColours = shown.map((value) => rampColour(fractionOf(value, triangleRange), RAMP));
     this.picture.set({ positions, kinds, lines, colours: coloured.map((value) => rampColour(fractionOf(value, range))), triangles, triangleColours, straight });
   }

@@ -22,7 +22,7 @@ const FROM = new THREE.Vector3(0.35, 0.45, 1);
 
 /** Largest distance in pixels at which a click hits a point. */
 const POINT_PIXELS = 14;
-const DOT_COLOURS = { free: "--solid", fixed: "--target", chosen: "--simulated", support: "--missed", rim: "--surface" } as const;
+const DOT_COLOURS = { free: "--solid", fixed: "--target", chosen: "--simulated", support: "--missed", faulty: "--missed", rim: "--surface" } as const;
 /** Depth behind the surface to which a point still counts as visible, over the radius of the surface. */
 const VISIBLE_DEPTH = 0.05;
 

@@ -88,8 +88,8 @@ export function weavePage({ client, link }: PageContext): Page {
       printCheck.end();
       if (dialog.element.open) dialog.element.close();
     },
-    resume(path) {
-      if (path === "/v1/weave-simulations") return sheet.run();
+    async resume(path) {
+      if (path === "/v1/weave-simulations") await sheet.run();
       if (path === "/v1/weave-toolpaths") dialog.open();
     },
     reconnected() {
