@@ -4,7 +4,8 @@
 //     node latency.mjs ../../docs/bench [DRAGS] [--busy N]
 //
 // writes editor-latency.csv and a section of designs.md there. The numbers are meaningful only on an otherwise idle machine. With --busy
-// the drags are measured once more while N processes compute at the server's own priority of the system (nice 0).
+// the drags are measured once more while N processes compute at the server's own priority of the system (nice 0). The
+// section and the table are written anew by each run, so that the figures of a busy machine are there only after a run with --busy.
 import { spawn } from "node:child_process";
 import { readdir, readFile, writeFile } from "node:fs/promises";
 import os from "node:os";
@@ -151,7 +152,7 @@ mouse's event to the picture after the tiling was redrawn. In between are the se
 request for its structure and the drawing of that. The family is ${FAMILY}. [All drags](editor-latency.csv).
 
 \`\`\`text
-node tests/browser/latency.mjs docs/bench${BUSY > 0 ? ` --busy ${BUSY}` : ""}
+node tests/browser/latency.mjs docs/bench${count === "60" ? "" : ` ${DRAGS}`}${BUSY > 0 ? ` --busy ${BUSY}` : ""}
 \`\`\`
 
 | From the mouse to | Median | 90 of 100 | Longest |

@@ -11,10 +11,14 @@ from typing import Any, Iterator, Tuple
 
 import numpy as np
 import pytest
+from shapely.affinity import rotate
+from shapely.geometry import box
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import run  # noqa: E402
+from _coupons import Coupon, Linear  # noqa: E402
+from _elements import Law  # noqa: E402
 from _hosts import shell_energies  # noqa: E402
 from _networks import Network  # noqa: E402
 from _shapes import Renumbering, any_mesh, folded, random_point  # noqa: E402
@@ -284,3 +288,21 @@ def test_a_cylinder_bends_with_the_energy_of_the_plate() -> None:
     host = {"youngs_modulus": 12.0, "poisson_ratio": 0.0, "thickness": 1.0}
     plate = 1 / 2 * flat.area / radius**2
     assert abs(shell_energies(flat, host, rolled)["shell_bending"] / plate - 1) < 0.05
+
+
+def test_a_mesh_fills_a_part_with_holes() -> None:
+    part = box(0, 0, 6, 10).difference(rotate(box(1, 2, 3, 7), 20)).difference(rotate(box(3.5, 4, 3.6, 9), 7))
+    coupon = Coupon(part, 0.5, 0.3)
+    assert float(coupon.weight.sum()) == pytest.approx(part.area, rel=1e-12) and float(coupon.weight.min()) > 0
+
+
+def test_a_sheet_between_grips_has_the_force_of_its_law() -> None:
+    sheet = Coupon(box(0, 0, 2, 4), 0.0, 0.5)
+    alone = sheet.stretched(Linear(np.diag([3.0, 5.0, 1.0])))
+    assert (alone.force, alone.strain) == (pytest.approx(5, rel=1e-9), pytest.approx(1, rel=1e-9))
+    law = Law("neo_hookean", 26.0, 0.3)
+    mu, lam = 26 / 2.6, 26 * 0.3 / (1.3 * 0.4)
+    tangent = np.array([[lam + 2 * mu, lam, 0], [lam, lam + 2 * mu, 0], [0, 0, mu]])
+    assert sheet.stretched(law).force == pytest.approx(sheet.stretched(Linear(tangent)).force, rel=1e-9)
+    (pulled,) = sheet.pulled(law, [1e-5])
+    assert pulled.force / 1e-5 == pytest.approx(sheet.stretched(law).force, rel=1e-4)
