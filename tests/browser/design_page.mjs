@@ -10,7 +10,7 @@ export function number(text) {
 export class DesignPage {
   static async open(browser, url, options) {
     const page = new this(await openPage(browser, url, options));
-    await page.settled();
+    await page.settled(options?.patience);
     return page;
   }
 

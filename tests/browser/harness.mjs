@@ -138,13 +138,13 @@ const EXPECTED = [/Failed to load resource/, /GPU stall due to ReadPixels/, /GL 
 /**
  * Opens a page that records its complaints and the requests for designs. `background`: whether the design page verifies and looks for ways
  * out by itself. It does not otherwise, since each such request would be counted and would compete with the others. `firstVisit`: whether
- * the page shows the words for a first visit.
+ * the page shows the words for a first visit. `patience`: how long actions and searches may take.
  */
-export async function openPage(browser, url, { background = false, firstVisit = false, ...options } = {}) {
+export async function openPage(browser, url, { background = false, firstVisit = false, patience = WAIT_MS, ...options } = {}) {
   const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, acceptDownloads: true, ...options });
   if (!background) await context.addInitScript(() => location.protocol.startsWith("http") && localStorage.setItem("supple-background", "off"));
   const page = await context.newPage();
-  page.setDefaultTimeout(WAIT_MS);
+  page.setDefaultTimeout(patience);
   if (SHARED) keepDownloads(page);
   page.complaints = [];
   page.on("pageerror", (error) => page.complaints.push(error.stack ?? String(error)));

@@ -11,8 +11,8 @@ import path from "node:path";
 const PICTURES = process.env.SUPPLE_WALKTHROUGHS;
 /** A person waits for a simulation; a test waits longer, because other tests may have the cores. */
 export const PATIENCE_MS = 300_000;
-/** The window of the pictures. */
-export const WINDOW = { viewport: { width: 1280, height: 800 }, colorScheme: "light", reducedMotion: "reduce" };
+/** The window of the pictures, and how long its page may take. */
+export const WINDOW = { patience: PATIENCE_MS, viewport: { width: 1280, height: 800 }, colorScheme: "light", reducedMotion: "reduce" };
 /** All models, as a person's own server has them. */
 export const ALL_MODELS = ["ih01.h5", "ih21.h5", "ih22.h5", "ih28.h5", "ih29.h5", "ih50.h5", "ih67.h5"];
 

@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import type { Vector } from "../src/mesh/mesh_data";
 import { DEFAULT_NETWORK } from "../src/mesh/network_state";
-import { farthestPoints, willShrink } from "../src/mesh/shrinking";
+import { farthestPoints, hasShrunk, willShrink } from "../src/mesh/shrinking";
 
 test("springs without a rest length shrink where no point is held", () => {
   const springs = { ...DEFAULT_NETWORK, elements: "springs", fixed: [], restLength: 0 } as const;
@@ -11,6 +11,13 @@ test("springs without a rest length shrink where no point is held", () => {
   expect(willShrink({ ...springs, elements: "membrane" })).toBe(false);
   expect(willShrink({ ...springs, springs: "drawn", drawn: [{ between: [0, 1], restLength: 0.1 }] })).toBe(false);
   expect(willShrink({ ...springs, springs: "drawn", drawn: [{ between: [0, 1] }] })).toBe(true);
+});
+
+test("a network that came to rest without any energy has shrunk", () => {
+  expect(hasShrunk([2.3, 0.4, 2.2e-24])).toBe(true);
+  expect(hasShrunk([2.3, 0.4, 0.1])).toBe(false);
+  expect(hasShrunk([0, 0])).toBe(false);
+  expect(hasShrunk([])).toBe(false);
 });
 
 test("points far from each other are on all sides", () => {

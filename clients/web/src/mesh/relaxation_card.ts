@@ -17,6 +17,7 @@ import { hostFacts, hostLegend } from "./host_legend";
 import { frameAt } from "./network_frames";
 import type { FileKind, NetworkSession, RelaxationRun } from "./network_session";
 import type { ColourBy, NetworkView, StretchRange, TriangleColourBy } from "./network_view";
+import { hasShrunk } from "./shrinking";
 import { cssGradient, type Range, type Rgb, SPRING_RAMP } from "./spring_colours";
 import { RAMP } from "./surface_material";
 
@@ -202,6 +203,9 @@ function factsOf({ answer, steps, network }: RelaxationRun, iteration: number | 
 
 function notesOf(answer: EmbeddedSystem): string[] {
   const sentences = answer.warnings.map(inWords);
+  if (answer.springs.length > 0 && hasShrunk(answer.history.map(({ energy }) => energy))) {
+    return [...sentences, "The network has shrunk: its springs have no length any more, because nothing held their ends apart. Fix some points, or give the springs a rest length."];
+  }
   if (answer.mollified) sentences.push("The energy at the end is smoothed next to vertices (mollified).");
   const atVertices = answer.at_vertices.length;
   if (atVertices > 0) sentences.push(`${atVertices === 1 ? "1 point" : `${atVertices} points`} came to rest exactly at a vertex, where no direction descends.`);

@@ -11,6 +11,15 @@ export function willShrink(state: NetworkState): boolean {
   return state.springs !== "drawn" || (state.drawn.length > 0 && state.drawn.every(({ restLength = 0 }) => restLength === 0));
 }
 
+/** Fraction of its first energy below which a network has shrunk to one point. */
+const MAX_SHRUNK_ENERGY = 1e-12;
+
+/** Whether a network of springs has come to rest with all of its points in one place. `energies`: those of the iterations. */
+export function hasShrunk(energies: readonly number[]): boolean {
+  const [first, last] = [energies[0] ?? 0, energies.at(-1) ?? 0];
+  return first > 0 && last <= MAX_SHRUNK_ENERGY * first;
+}
+
 /** Indices of points far from each other, ascending: each is the one farthest from those before it, from the one farthest from the centre on. */
 export function farthestPoints(positions: readonly Vector[], count: number): number[] {
   if (positions.length === 0) return [];
