@@ -33,7 +33,7 @@ describe("a search as text", () => {
     expect(JSON.parse(/-d '(.*)'\n$/.exec(curlOf(sure, origin))?.[1] ?? "")).toMatchObject({ effects: { polish: "on", trust: "off" } });
     expect(commandOf(sure, origin)).toContain(`--polish="on"`);
     expect(pythonOf(sure, origin)).toMatch(/DesignOptions\(.*polish="on", trust="off"\)/);
-    expect(commandOf({ ...state, accuracy: { level: "draft", switches: {} } }, origin)).toMatch(/--ways-out="off"[^]*--tolerance="0.0001"[^]*--starts="1"/);
+    expect(commandOf({ ...state, accuracy: { level: "draft", switches: {} } }, origin)).toMatch(/--ways-out="off"[\s\S]*--tolerance="0.0001"[\s\S]*--starts="1"/);
     expect(commandOf(state, origin)).not.toMatch(/--(polish|trust|starts|tolerance)/);
   });
 

@@ -98,7 +98,7 @@ describe("several materials", () => {
 
   it("are in links and in what is copied", () => {
     expect(readLink(writeLink(chosen))).toEqual(chosen);
-    const two = withRegions([regionOf(chosen), { ...regionOf(plain), region: "Heel" }], 0);
+    const two = { ...chosen, ...withRegions([regionOf(chosen), { ...regionOf(plain), region: "Heel" }], 0) };
     expect(readLink(writeLink(two))).toEqual(two);
     expect(readLink(writeLink(chosen).replace("materials=", "materials=x%3B"))?.made).toEqual(DEFAULT_SPECIFICATION);
     expect(JSON.parse(/<<'END'\n(.*)\nEND\n/.exec(commandOf(chosen, origin))?.[1] ?? "").material).toHaveLength(2);
@@ -139,7 +139,7 @@ describe("a link", () => {
   });
 
   it("keeps the material of each region", () => {
-    const two = withRegions([{ ...plain, made: given }, { ...plain, region: "Heel", made: open }], 1);
+    const two = { ...plain, ...withRegions([{ ...plain, made: given }, { ...plain, region: "Heel", made: open }], 1) };
     expect(regionsOf(readLink(writeLink(two)) ?? DEFAULT_STATE).map(({ made }) => made)).toEqual([given, open]);
   });
 
@@ -173,7 +173,7 @@ describe("a search as text", () => {
     expect(program).toContain("material=supple.Material(youngs_modulus=[20, 60], density=1.21), orientation=[0, 3.141592653589793], initial_orientation=1.25, cell_size=5");
     expect(program).toContain("limits=supple.Limits(relative_density=[0.1, 0.35], beam_width=[0.4, 100]), options=options");
     expect(pythonOf(plain, origin)).not.toMatch(/material|orientation|limits/);
-    expect(pythonOf(withRegions([{ ...plain, made: given }, plain], 0), origin)).toMatch(
+    expect(pythonOf({ ...plain, ...withRegions([{ ...plain, made: given }, plain], 0) }, origin)).toMatch(
       /supple\.Region\(.*material=supple\.Material\(youngs_modulus=2500, density=1\.24\), orientation=0\.52.*, beam_width=0\.5\)/,
     );
   });

@@ -43,7 +43,7 @@ test("a sheet that does not print says so, with the first place and the number o
   await rested();
   const toolpath = asked.find(({ path }) => path.endsWith("/v1/weave-toolpaths"));
   expect(toolpath?.request).toMatchObject({ priority: "background", include: [] });
-  expect(check.words.get()).toMatch(/^This sheet does not print as it is\. Crossing 3.* one can be printed\. So it is at 1 more place\. Print shows where/);
+  expect(check.words.get()).toMatch(/^This sheet does not print as it is\. Crossing 4.* one can be printed\. So it is at 1 more place\. Print shows where/);
 });
 
 test("a sheet that prints says nothing, and a change of the weave takes the sentence back", async () => {

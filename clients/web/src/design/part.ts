@@ -160,7 +160,8 @@ export type PartState =
 export function curvesAtFault(error: unknown, product: Product | null): readonly Polygon[] {
   if (!(error instanceof Problem) || !product) return [];
   const { document } = error;
-  const named = [...entriesAtFault(document, "polygons").map((entry) => product.outline[entry]), ...entriesAtFault(document, "regions").map((entry) => product.regions[entry]?.outline)];
+  const named = [...entriesAtFault(document, "polygons").map((entry) => product.outline[entry]),
+    ...entriesAtFault(document, "regions").map((entry) => product.regions[entry]?.outline)];
   return named.filter((curve): curve is Polygon => curve !== undefined);
 }
 

@@ -44,7 +44,8 @@ class PartPicture {
   private readonly faults = svg("path", { class: "faults" });
   private readonly halo = svg("path", { class: "load-halo" });
   private readonly arrow = svg("path", { class: "load-arrow" });
-  readonly element = svg("svg", { class: "part-drawing", role: "img", "aria-label": "The part" }, this.outline, this.regions, this.solid, this.ends, this.faults, this.halo, this.arrow);
+  readonly element = svg("svg", { class: "part-drawing", role: "img", "aria-label": "The part" }, this.outline, this.regions, this.solid, this.ends, this.faults, this.halo,
+    this.arrow);
   private centre: readonly [number, number] = [0, 0];
   private key = "";
 

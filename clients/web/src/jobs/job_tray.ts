@@ -140,5 +140,14 @@ export class JobTray {
 function rowOf(job: Job): RowJob {
   const { id, kind, state, progress, remaining_seconds: remaining, created, finished, priority } = job;
   const took = finished ? Math.max(0, (Date.parse(finished) - Date.parse(created)) / 1000) : null;
-  return { id, words: endpointWords(`/v1/${kind}`), state, progress, remaining, took, found: job.error ? problemWords(job.error) : bestWords(job, ""), isBackground: priority === "background" };
+  return {
+    id,
+    words: endpointWords(`/v1/${kind}`),
+    state,
+    progress,
+    remaining,
+    took,
+    found: job.error ? problemWords(job.error) : bestWords(job, ""),
+    isBackground: priority === "background",
+  };
 }

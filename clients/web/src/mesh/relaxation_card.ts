@@ -204,7 +204,8 @@ function factsOf({ answer, steps, network }: RelaxationRun, iteration: number | 
 function notesOf(answer: EmbeddedSystem): string[] {
   const sentences = answer.warnings.map(inWords);
   if (answer.springs.length > 0 && hasShrunk(answer.history.map(({ energy }) => energy))) {
-    return [...sentences, "The network has shrunk: its springs have no length any more, because nothing held their ends apart. Fix some points, or give the springs a rest length."];
+    return [...sentences,
+      "The network has shrunk: its springs have no length any more, because nothing held their ends apart. Fix some points, or give the springs a rest length."];
   }
   if (answer.mollified) sentences.push("The energy at the end is smoothed next to vertices (mollified).");
   const atVertices = answer.at_vertices.length;

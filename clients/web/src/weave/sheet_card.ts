@@ -50,7 +50,8 @@ export function sheetCard(session: WeaveSession, sheet: SheetSession, unprintabl
     announce(activity.sentence);
     replace(status, h("p", { class: "note" }, activity.sentence));
   });
-  return h("section", { class: "card sheet", "aria-label": "Sheet under load" }, h("h2", {}, "Sheet under load"), sheetControls(session, sheet, print), unprinted, status, stale, body);
+  return h("section", { class: "card sheet", "aria-label": "Sheet under load" }, h("h2", {}, "Sheet under load"), sheetControls(session, sheet, print), unprinted, status, stale,
+    body);
 }
 
 function sheetControls(session: WeaveSession, sheet: SheetSession, openPrint: () => void): HTMLElement {

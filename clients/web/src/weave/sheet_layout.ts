@@ -24,5 +24,6 @@ export async function layOutSheet(run: Run<object>, state: WeaveState): Promise<
 
 /** A sentence about crossings without a counterpart in the cell; empty if there are none. */
 export function unknownWords({ layout, unknown }: Pick<SheetLayout, "layout" | "unknown">): string {
-  return unknown > 0 ? `${unknown} of ${layout.crossings.length} crossings of the sheet lie between its cells or at its edge. What you clicked in the cell does not change them.` : "";
+  return unknown > 0 ? `${unknown} of ${layout.crossings.length} crossings of the sheet lie between its cells or at its edge. What you clicked in the cell does not change them.`
+    : "";
 }
