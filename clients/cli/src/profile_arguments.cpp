@@ -70,8 +70,9 @@ nlohmann::json profile_fields(const ProfileArguments& arguments) {
 bool is_over_directions(const std::string& task) { return task == "stiffness" || task == "poisson"; }
 
 void refuse_idle_profile_options(const CLI::App& command, const std::string& task) {
-  refuse_idle_options(command, {{"--direction", !is_over_directions(task), "over directions: the load has each of them"},
-                                {"--strain", is_over_directions(task), "over strains"}});
+  refuse_idle_options(command,
+                      {{"--direction", !is_over_directions(task), "over directions: the load has each of them"},
+                       {"--strain", is_over_directions(task), "over strains"}});
 }
 
 nlohmann::json parse_target(const std::string& argument, const std::string& task) {

@@ -14,7 +14,7 @@ export interface LevelRow {
   readonly request: object;
   /** The reference task, in words. */
   readonly task: string;
-  /** Of the reference task; null where nobody has measured it. */
+  /** Duration of the reference task; null if nobody has measured it. */
   readonly seconds: number | null;
   /** Dimensionless; 0 is below rounding, null unknown. */
   readonly error: number | null;

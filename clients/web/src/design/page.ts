@@ -5,7 +5,7 @@ import { h } from "../base/dom";
 import { shareButton } from "../base/share";
 import { StateLink } from "../base/state_link";
 import { undoKeys } from "../base/undo_keys";
-import { ConnectionLost, explain } from "../contract/client";
+import { type Client, ConnectionLost, explain } from "../contract/client";
 import type { Page, PageContext } from "../page";
 import { commandOf, curlOf, pythonOf } from "./copy_text";
 import { isDrawing } from "./drawing";
@@ -74,13 +74,7 @@ export function designPage({ client, link }: PageContext): Page {
 
   handleDrops(element, (text, name, bytes) => (isDrawing(name, text) ? part.open(text, name) : measured.read(tableOf(bytes), name)));
 
-  // Results of an earlier state are dimmed together until the answer to the present state has arrived.
-  for (const part of [session.results.shown, session.state]) {
-    part.watch(() => {
-      element.classList.toggle("outdated", session.results.shown.get() !== null && !session.results.isCurrent);
-      pin.disabled = !session.results.isCurrent;
-    });
-  }
+  dimOutdated(session, element, pin);
 
   const keys = undoKeys(session);
   let started = false;
@@ -111,10 +105,7 @@ export function designPage({ client, link }: PageContext): Page {
       address.close();
     },
     resume(path) {
-      // The link alone asks for the selected region.
-      const regions = session.regionEdits.all;
-      const known = client.jobs?.known(path, regionsRequest(regions, "")) ?? null;
-      if (regions.length > 1 && known !== null) session.search.searchRegions();
+      resumeRegions(session, client, path);
     },
     reconnected() {
       if (started) {
@@ -123,6 +114,23 @@ export function designPage({ client, link }: PageContext): Page {
       } else void start(link.read());
     },
   };
+}
+
+/** Results of an earlier state are dimmed together until the answer to the present state has arrived. */
+function dimOutdated(session: DesignSession, element: HTMLElement, pin: HTMLButtonElement): void {
+  for (const part of [session.results.shown, session.state]) {
+    part.watch(() => {
+      element.classList.toggle("outdated", session.results.shown.get() !== null && !session.results.isCurrent);
+      pin.disabled = !session.results.isCurrent;
+    });
+  }
+}
+
+/** Goes on with the job for all regions if there is one. The link alone asks for the selected region. */
+function resumeRegions(session: DesignSession, client: Client, path: string): void {
+  const regions = session.regionEdits.all;
+  const known = client.jobs?.known(path, regionsRequest(regions, "")) ?? null;
+  if (regions.length > 1 && known !== null) session.search.searchRegions();
 }
 
 /** Buttons that copy a link to the shown design, or the request for it. */
