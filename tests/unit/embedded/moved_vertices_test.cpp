@@ -322,7 +322,9 @@ TEST(MovedVertices, StopWhenAskedAndTellHowFarTheyAre) {
           << best.warnings.back();
       EXPECT_EQ(best.history.back().energy, found.history[best.history.size() - 1].energy);
       for (std::size_t k = 0; k < best.stops.size(); ++k) EXPECT_EQ(best.stops[k].energy, found.stops[k].energy);
-      if (!best.stops.empty()) EXPECT_EQ(best.energy, best.stops.back().energy);
+      if (!best.stops.empty()) {
+        EXPECT_EQ(best.energy, best.stops.back().energy);
+      }
       const std::size_t last = best.stops.size();
       for (const MovedVertex& one : host.moved_vertices) {
         const auto vertex = static_cast<std::size_t>(one.vertex);

@@ -80,13 +80,13 @@ TEST(Relax, ABestStateAtWhichTheSearchHadFixedPointsHasTheGradientOfAllFreeOnes)
   const RelaxationContext context(solver, network, options, execution);
   std::vector<bool> half_is_fixed = context.points.fixed;
   for (std::size_t i = 0; i < half_is_fixed.size() / 2; ++i) half_is_fixed[i] = true;
-  RelaxationHistory history(options, true);
+  RelaxationHistory history(options);
   find_equilibrium(context, start_of(context), {.max_iterations = 2, .fixed_points = &half_is_fixed}, history,
                    execution);
   const Equilibrium best = best_of(context, history);
   EXPECT_GT(best.gradient_norm, 1.01 * history.last().gradient_norm);
   EXPECT_EQ(best.energy, history.last().energy);
-  RelaxationHistory once_more(options, false);
+  RelaxationHistory once_more(options);
   const Equilibrium whole = find_equilibrium(context, best, {.max_iterations = 0}, once_more, execution);
   EXPECT_NEAR(best.gradient_norm, whole.gradient_norm, 1e-9 * whole.gradient_norm);
 }
