@@ -106,9 +106,9 @@ FREE: Dict[str, str] = {
         --fixed --verify --polish --ways-out --tolerance --equilibrium-tolerance --max-iterations --starts --candidates --trust
         --multi-start --envelope --session --deadline --csv --plot --svg --missed-ok""",
     "weave layout": WEAVE + " --crossings --svg",
-    "weave homogenize": WEAVE + " " + EQUILIBRIUM + " --strain --directions --shear --thickness --csv --plot",
-    "weave deform": WEAVE + " " + EQUILIBRIUM + " --gradient --csv --obj",
-    "weave simulate": WEAVE + " " + EQUILIBRIUM + " --hold --move --pull --load --states --csv --obj --vtu",
+    "weave homogenize": WEAVE + " " + EQUILIBRIUM + " --error-estimate --strain --directions --shear --thickness --csv --plot",
+    "weave deform": WEAVE + " " + EQUILIBRIUM + " --error-estimate --gradient --csv --obj",
+    "weave simulate": WEAVE + " " + EQUILIBRIUM + " --error-estimate --hold --move --pull --load --states --csv --obj --vtu",
     "weave print": WEAVE + """ --output --svg --profile --options --origin --order --overrun --overrun-of --loop-overlap --frame --grip
         --chord-error --deadline""",
     "weave check": "--limits",
@@ -166,7 +166,7 @@ def test_a_structure_that_fills_nothing_is_refused(api: Api, tmp_path: Path) -> 
     assert supple.run(*regions, "--seam", "0.5", "--frame", "1", "--thickness", "2", "--whole").returncode == 0
     for more, named in ((["IH22"], "family"), (["--beam-width", "0.6"], "--beam-width"), (["--orientation", "1"], "--orientation"),
                         (["IH22", "--parameters", "0.1,0.2"], "family")):
-        refused = supple.run(*regions, *more)
+        refused = supple.run("part", *more, *regions[1:])
         assert refused.returncode == 1, (more, refused.stderr)
         assert f"{named} has no effect where the part is the union of its regions" in refused.stderr
     one = ("part", "IH22", "--outline", "fields.svg", "--region", "heel=IH29,0.4", "--beam-width", "0.6", "--seam", "0.5")

@@ -118,7 +118,7 @@ def test_biaxial_stretches_come_in_pairs_or_with_one_for_all(program: Program) -
     (["structure", "IH99"], 2, "tiling.family_not_found"),
     (["structure", "IH01", "--parameters", "1,2,x"], 1, "list of parameters"),
     (["structure", "IH01", "--parameters", "0.9,0.5,0.1,0.6"], 2, "tiling.parameter_out_of_bounds"),
-    (["structure", "IH01", "--cells", "4"], 1, "4x3"),
+    (["structure", "IH01", "--cells", "4", "--svg", "tiling.svg"], 1, "4x3"),
     (["structure", "IH01", "--svg", "no/such/folder.svg"], 5, "no/such/folder.svg"),
 ])
 def test_a_failure_has_its_exit_code_and_one_clear_message(

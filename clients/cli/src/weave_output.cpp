@@ -24,7 +24,10 @@ std::string error_name(const std::string& name) {
 }
 
 /// An error in per cent, or as it is where it is no relative one.
+/// Errors below rounding are shown as 0.
 std::string error_text(const std::string& name, double error) {
+  constexpr double rounding = 1e-12;
+  if (error < rounding) error = 0;
   return name == "poisson_ratio" ? fmt::format("{:.2g}", error) : fmt::format("{:.2g} %", 100 * error);
 }
 

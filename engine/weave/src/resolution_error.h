@@ -13,7 +13,7 @@ namespace supple::weave {
 struct OtherResolution {
   EquilibriumOptions equilibrium;
   /// Ratio of the estimated error to the difference between both resolutions. With 4 segments or more the other
-  /// resolution has half as many, and the difference is 1.05 to 3 times the error, which falls with the first power of
+  /// resolution has half as many, and the difference is .94 to 3 times the error, which falls with the first power of
   /// the number of segments at worst and with its square at last.
   double factor = 1;
 };
