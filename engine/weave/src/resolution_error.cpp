@@ -15,7 +15,8 @@ constexpr double millimetres_per_metre = 1000;
 /// Maximum number of directions that are compared if the switch is automatic. They are then 0.13 rad apart over half a
 /// turn, near enough for neighbours to be compared as in the answer itself.
 constexpr std::size_t max_compared = 24;
-/// Ratios of the estimated errors to differences. Errors of few segments do not fall with the square of their number yet.
+/// Ratios of the estimated errors to differences. Errors of few segments do not fall with the square of their number
+/// yet.
 constexpr double factor_of_many = 1.25;
 constexpr double factor_of_one = 3;
 constexpr double factor_of_two = 2;
