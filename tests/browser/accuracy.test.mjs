@@ -98,7 +98,7 @@ describe("the dial of accuracy", () => {
     await page.locator('[aria-label="Result"]').waitFor();
     await page.getByRole("radio", { name: "Network", exact: true }).check();
     await page.getByText("Own values: accuracy, method and effects").click();
-    await page.getByLabel("Network", { exact: true }).getByLabel("Tolerance of the gradient").selectOption("1e-6");
+    await page.getByLabel("Network", { exact: true }).getByLabel("Tolerance of the gradient").selectOption("0.000001");
     assert.ok(await level(page, "Own").isChecked());
     const asked = page.waitForRequest((request) => request.url().endsWith("/v1/embedded-systems") && request.postDataJSON().paths === true);
     await page.getByRole("button", { name: "Relax", exact: true }).click();

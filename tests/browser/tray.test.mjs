@@ -9,7 +9,7 @@ import { WeavePage } from "./weave_page.mjs";
 
 const axe = await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
-setUp({ own: true });
+setUp({ own: true, webgl: true });
 
 const SHEET_MS = 120_000;
 const WEAVE = "pattern=regular&type=1&pitch=4&radius=0.25&strain=0.1&sheet=columns:3,rows:3,load:shear,amount:0.3";
