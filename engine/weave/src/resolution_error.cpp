@@ -20,6 +20,9 @@ constexpr std::size_t max_compared = 24;
 constexpr double factor_of_many = 1.25;
 constexpr double factor_of_one = 3;
 constexpr double factor_of_two = 2;
+/// Beyond these for Poisson's ratio, whose error changes its sign with the resolution in some directions, so that both
+/// resolutions can agree by chance.
+constexpr double poisson_factor = 2;
 
 /// What the rods' resolution makes of error in one direction; NaN where that is unknown.
 struct ResolutionDifference {
@@ -35,7 +38,7 @@ ResolutionDifference difference_of(const DirectionalResponse& response, const Di
   if (std::isnan(difference.modulus)) return difference;
   const double modulus = std::abs(response.youngs_modulus);
   difference.relative = difference.modulus < modulus ? difference.modulus / modulus : 1;
-  difference.poisson = factor * std::abs(response.poisson_ratio - compared.poisson_ratio);
+  difference.poisson = poisson_factor * factor * std::abs(response.poisson_ratio - compared.poisson_ratio);
   return difference;
 }
 
