@@ -38,14 +38,12 @@ describe("the walkthrough of a sole", () => {
       await write("Frame, mm", 1.2);
       await write("Thickness, mm", 8);
       await until(async () => /Size41\.6 × 129 × 8 mm/.test(await part.locator(".facts").textContent()), "the part", PATIENCE_MS);
-      console.log(await part.locator(".facts").textContent(), await part.locator(".part-result .note").textContent());
       await step(page, "sole-3-part", part.locator(".part-size"));
 
       const { name, bytes } = await savedFile(page, () => part.getByRole("button", { name: "3MF" }).click());
       assert.match(name, /\.3mf$/);
       const model = unzipped(bytes).get("3D/3dmodel.model").toString();
       const objects = [...model.matchAll(/<object[^>]*name="([^"]*)"[^>]*>/g)].map((match) => match[1]);
-      console.log(name, objects, model.slice(0, 600));
       assert.deepEqual([...objects].sort(), ["Rest", "forefoot", "heel"]);
       assert.equal((model.match(/<item /g) ?? []).length, 3, "each is printed");
     }, { ...WINDOW }));
