@@ -67,6 +67,14 @@ describe("the regions of a drawing", () => {
     expect(regionsIn(drawing(...halves))).toEqual(["left", "right"]);
   });
 
+  it("have a rest where they leave some of the outline, also where they extend beyond it or overlap", () => {
+    const band = (low: number, high: number): [number, number][] => [[-1, low], [10, low], [10, high], [-1, high]];
+    const ends = [{ names: ["heel"], points: band(-3, 4) }, { names: ["toes"], points: band(5, 12) }];
+    expect(regionsIn(drawing({ names: ["sole"], points: square(9) }, ...ends))).toEqual(["heel", "toes", "Rest"]);
+    const twice = [{ names: ["left"], points: square(8, 0.5, 0.5) }, { names: ["right"], points: square(8, 0.7, 0.7) }];
+    expect(regionsIn(drawing({ names: ["sole"], points: square(9) }, ...twice))).toEqual(["left", "right", "Rest"]);
+  });
+
   it("are none where curves have no names of their own", () => {
     expect(regionsIn(drawing({ names: ["sole"], points: square(9) }, { names: ["circle4"], points: square(2, 2, 2) }))).toEqual([]);
     expect(regionsIn(drawing({ names: ["0"], points: square(9) }, { names: ["0"], points: square(2, 2, 2) }))).toEqual([]);

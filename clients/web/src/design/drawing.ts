@@ -30,6 +30,9 @@ export interface LayoutChoices {
   readonly regions: readonly (RegionLocation | undefined)[];
 }
 
+/** The corners of a curve, each of two coordinates. */
+type Points = readonly (readonly number[])[];
+
 export interface PartLayout {
   readonly outline: readonly CurveIndex[];
   readonly regions: readonly RegionLocation[];
@@ -40,6 +43,8 @@ const GIVEN_BY_PROGRAMS = /^(((path|rect|circle|ellipse|polygon|polyline|line|g|
 export const REST_NAME = "Rest";
 /** Fraction of the outline outside its regions below which they cover it. */
 const MAX_UNCOVERED = 1e-3;
+/** Number of lines along which it is measured. */
+const COVERAGE_LINES = 256;
 
 /**
  * The names of the regions that a drawing has: those of its named curves, and one for the rest of the outline around them unless they cover
@@ -52,16 +57,48 @@ export function regionsIn({ curves: { polygons } }: Drawing): readonly string[] 
   const inside = polygons.map((_, place) => place).filter((place) => place !== largest && isInside(middleOf(polygons[place].points), around));
   const candidates = inside.length > 0 ? inside : polygons.map((_, place) => place);
   const names: string[] = [];
-  let covered = 0;
+  const regions: Points[] = [];
   for (const place of candidates) {
     const name = polygons[place].names.find((one) => one.trim() !== "" && !GIVEN_BY_PROGRAMS.test(one.trim()));
     if (name === undefined || names.some((known) => sameName(known, name))) continue;
     names.push(name.trim());
-    covered += area(polygons[place].points);
+    regions.push(polygons[place].points);
   }
   if (names.length === 0) return [];
-  if (inside.length > 0 && covered < (1 - MAX_UNCOVERED) * area(around)) names.push(REST_NAME);
+  if (inside.length > 0 && uncoveredFraction(around, regions) > MAX_UNCOVERED) names.push(REST_NAME);
   return names.length > 1 ? names : [];
+}
+
+/** The intervals of a horizontal line within a curve, from left to right, as their ends one after the other. */
+function within(points: Points, y: number): number[] {
+  const ends: number[] = [];
+  points.forEach(([x0, y0], k) => {
+    const [x1, y1] = points[(k + 1) % points.length];
+    if (y0 <= y !== y1 <= y) ends.push(x0 + ((y - y0) / (y1 - y0)) * (x1 - x0));
+  });
+  return ends.sort((a, b) => a - b);
+}
+
+/** Fraction of the area within a curve that lies in none of the regions, which may overlap each other and extend beyond it. Measured along horizontal lines. */
+function uncoveredFraction(around: Points, regions: readonly Points[]): number {
+  const lowest = Math.min(...around.map(([, y]) => y));
+  const height = Math.max(...around.map(([, y]) => y)) - lowest;
+  let all = 0;
+  let uncovered = 0;
+  for (let line = 0; line < COVERAGE_LINES; ++line) {
+    const y = lowest + ((line + 0.5) / COVERAGE_LINES) * height;
+    const outline = within(around, y);
+    const covered = regions.map((points) => within(points, y));
+    const ends = [outline, ...covered].flat().sort((a, b) => a - b);
+    for (let k = 1; k < ends.length; ++k) {
+      const middle = (ends[k - 1] + ends[k]) / 2;
+      const holds = (intervals: readonly number[]) => intervals.filter((end) => end < middle).length % 2 === 1;
+      if (!holds(outline)) continue;
+      all += ends[k] - ends[k - 1];
+      if (!covered.some(holds)) uncovered += ends[k] - ends[k - 1];
+    }
+  }
+  return all > 0 ? uncovered / all : 0;
 }
 
 /** Whether a file is a drawing, and not a table of measured data. */
