@@ -128,6 +128,8 @@ describe("a verification", () => {
     const before = new Set((await jobs()).map(({ id }) => id));
     await page.goto(`${server.url}/#/weave`);
     await page.reload();
+    // The weave's page writes its link once it has begun, which would undo a change of the address at the same moment.
+    await page.waitForURL(/#\/weave\?/);
     await page.goto(`${server.url}/${LINK}`);
     await page.reload();
     await until(async () => /^Simulated: /.test(await page.locator(".verdict-words").textContent()), "its result", SIMULATION_MS);

@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 import { isShareable, readLink, writeLink } from "../src/weave/link";
 import { LayoutTextError, readLayoutText, writeLayoutText } from "../src/weave/layout_text";
 import { lengthLimits, PATTERN_IDS, PATTERNS, withLength } from "../src/weave/patterns";
-import { cellRequest, homogenizationRequest, weaveOf } from "../src/weave/requests";
+import { cellRequest, homogenizationRequest, previewRequest, weaveOf } from "../src/weave/requests";
 import { DEFAULT_STATE, FIRST_LAYOUT, isPeriodic, usableStrain, type WeaveState } from "../src/weave/state";
 
 const state: WeaveState = {
@@ -71,7 +71,8 @@ describe("a request", () => {
   });
 
   it("asks for the deformed cell of one direction alone", () => {
-    expect(cellRequest(state, 0.5)).toEqual({ ...homogenizationRequest(state, [0.5]), deformed: [0] });
+    const whole = homogenizationRequest(state, [0.5]);
+    expect(cellRequest(state, 0.5)).toEqual({ ...whole, effects: { ...whole.effects, error_estimate: "off" }, deformed: [0] });
     expect(homogenizationRequest({ ...state, accuracy: { level: "own", switches: {} } }, 24)).toMatchObject({
       strain: 0.25,
       directions: 24,
@@ -79,6 +80,16 @@ describe("a request", () => {
       accuracy: { segments: 6 },
       effects: { out_of_plane: "off" },
     });
+  });
+
+  it("estimates no error of a preview, at any level", () => {
+    for (const level of ["draft", "normal", "sure", "own"] as const) {
+      const asked: WeaveState = { ...state, accuracy: { level, switches: { error_estimate: "on" } } };
+      const { effects, ...preview } = previewRequest(asked, 24);
+      const { effects: own, ...request } = homogenizationRequest(asked, 24);
+      expect(preview).toEqual(request);
+      expect(effects).toEqual({ ...own, error_estimate: "off" });
+    }
   });
 
   it("has no strain of 0, and no profile where nothing repeats", () => {

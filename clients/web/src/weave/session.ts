@@ -9,7 +9,7 @@ import type { EffectSwitch, WeaveHomogenization, WeaveLayout } from "../contract
 import { carriedOverrides, type LayoutResult } from "./carried";
 import { nextConnection, withConnection } from "./connections";
 import { type Profile, profileOf, statedError } from "./profile";
-import { COARSE_DIRECTIONS, FINE_DIRECTIONS, hasStrands, homogenizationRequest, layoutRequest } from "./requests";
+import { COARSE_DIRECTIONS, FINE_DIRECTIONS, hasStrands, homogenizationRequest, layoutRequest, previewRequest } from "./requests";
 import { DEFAULT_STATE, type FreeLayout, isPeriodic, type WeaveState } from "./state";
 
 /** Time in seconds after which a computation becomes a job with progress. */
@@ -180,19 +180,19 @@ export class WeaveSession {
     if (shown?.key === key && !shown.provisional && !this.profiles.isRunning) return;
     this.profiles.follow(async (run) => {
       this.isFine = false;
-      if (this.profile.get()?.key !== key) this.profile.set(profileOf(await this.homogenize(state, COARSE_DIRECTIONS, run), key, true));
+      if (this.profile.get()?.key !== key) this.profile.set(profileOf(await this.homogenize(previewRequest, state, COARSE_DIRECTIONS, run), key, true));
       const isSuperseded = profileKey(this.state.get()) !== key;
       if (isSuperseded || !this.profile.get()?.provisional) return;
       this.isFine = true;
-      const profile = profileOf(await this.homogenize(state, FINE_DIRECTIONS, run), key, false);
+      const profile = profileOf(await this.homogenize(homogenizationRequest, state, FINE_DIRECTIONS, run), key, false);
       this.measures.record("weaves", { level: state.accuracy.level, seconds: profile.seconds, error: statedError(profile) });
       this.profile.set(profile);
     }, this.profiles.tellFault, this.isFine);
   }
 
-  private homogenize(state: WeaveState, directions: number, run: Run<ProfileWork>): Promise<WeaveHomogenization> {
+  private homogenize(requestOf: typeof homogenizationRequest, state: WeaveState, directions: number, run: Run<ProfileWork>): Promise<WeaveHomogenization> {
     run.tell({ directions });
-    return run.job<WeaveHomogenization>("/v1/weave-homogenizations", homogenizationRequest(state, directions), {
+    return run.job<WeaveHomogenization>("/v1/weave-homogenizations", requestOf(state, directions), {
       wait: IMMEDIATE_SECONDS,
       onJob: ({ progress }) => run.tell({ directions }, progress),
     });
