@@ -152,8 +152,8 @@ def test_a_run_goes_on_with_the_cases_that_an_earlier_one_has_kept(tmp_path: Pat
 
 
 def test_what_a_wing_is_made_of_is_known_with_the_modules_that_it_uses() -> None:
-    assert {path.name for path in run.sources_of("parts")} >= {"parts.py", "_solids.py", "_tilings.py", "truth.py", "kept.py"}
-    assert "_solids.py" not in {path.name for path in run.sources_of("geodesics")}
+    assert {path.name for path in run.sources_of("coupons")} >= {"coupons.py", "_coupons.py", "_elements.py", "truth.py", "kept.py"}
+    assert "_coupons.py" not in {path.name for path in run.sources_of("geodesics")}
 
 
 def test_a_check_that_the_wing_does_not_name_is_found() -> None:
