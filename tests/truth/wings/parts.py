@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, Iterator, List, Tuple
+from typing import Any, Dict, Iterator, Tuple
 
 import numpy as np
-from shapely.affinity import affine_transform, translate
+from shapely.affinity import translate
 from shapely.geometry import MultiPolygon, Point, Polygon, box
 from shapely.ops import unary_union
 
 import _solids
-from _tilings import FAMILIES, draws, structure_of, turned
+from _drawings import differing, holes, placed
+from _tilings import FAMILIES, draws, structure_of
 from truth import Check, Refusal, Server
 
 ABOUT = ("Random coupons, blocks, rectangles and polygons, filled with random tilings in random orientations. Files are read again by the suite's own code; GEOS says where "
@@ -165,29 +166,13 @@ def _outline(drawn: Dict[str, Any]) -> Any:
 
 
 def _drawn_apart(drawn: Dict[str, Any], structure: Dict[str, Any], answer: Dict[str, Any], part: Any) -> float:
-    """Compares the part with the suite's own drawing. A lattice point is in the centre of the outline's bounding box, and the tiling is rotated about it. All except the
-    holes of tiles is solid."""
+    """Compares the part with the suite's own drawing, in which all except the holes of tiles is solid."""
     outline = _outline(drawn)
     turn = drawn["orientation"]
     if drawn["kind"] in ("coupon", "block") and drawn["direction"] is not None:
         turn += np.pi / 2 - drawn["direction"]
     low, high = np.array(outline.bounds[:2]), np.array(outline.bounds[2:])
-    middle, reach = (low + high) / 2, float(np.linalg.norm(high - low)) / 2
-    lattice = np.array(structure["lattice"])
-    holes = [np.array(hole) for tile in structure["tiles"] for hole in tile["holes"]]
-    cell = unary_union([Polygon(hole).buffer(0) for hole in holes])
-    size = max(float(np.max(np.linalg.norm(hole, axis=1))) for hole in holes)
-    rotation = turned(turn)
-    placed: List[Any] = []
-    inverse = np.linalg.inv(lattice)
-    count = int(np.ceil(np.max(np.linalg.norm(inverse, axis=0)) * (reach + size))) + 1
-    for i in range(-count, count + 1):
-        for j in range(-count, count + 1):
-            shift = np.array([i, j]) @ lattice
-            if np.linalg.norm(shift) <= reach + size:
-                at = rotation @ shift + middle
-                placed.append(affine_transform(cell, [*rotation.ravel(), *at]))
-    solid = outline.difference(unary_union(placed))
+    solid = outline.difference(placed(holes(structure), structure, outline, turn))
     solids = []
     if "coupon" in drawn["outline"]:
         grip = drawn["outline"]["coupon"]["grip_length"]
@@ -198,7 +183,4 @@ def _drawn_apart(drawn: Dict[str, Any], structure: Dict[str, Any], answer: Dict[
     if drawn["frame"]:
         solids.append(outline.difference(outline.buffer(-drawn["frame"], join_style=2)))
     solid = unary_union([solid, *solids])
-    checks = answer["checks"]
-    strips = 6 * (checks["widened_necks"] + checks["cut_necks"]) * checks["smallest_wall"] ** 2
-    allowed = checks["trimmed_area"] + checks["crumb_area"] + strips
-    return float(max(0.0, solid.symmetric_difference(part).area - allowed) / outline.area)
+    return differing(part, solid, answer["checks"], outline)
