@@ -57,7 +57,7 @@ def ways_out(api: Api, family: str, number: int, starts: int, deadline: float) -
     ways = answer["ways_out"]
     best = min((float(way["deviation"]) for way in ways), default=missed)
     return {"family": family, "number": number, "starts": starts, "deadline": deadline, "missed": missed,
-            "seconds": float(effect(answer, "ways_out")["seconds"]), "ways": len(ways), "change": ways[0]["change"] if ways else "", "deviation": best}
+            "seconds": float(effect(answer, "ways_out").get("seconds", 0.0)), "ways": len(ways), "change": ways[0]["change"] if ways else "", "deviation": best}
 
 
 def verified(api: Api, family: str, number: int, samples: int) -> Dict[str, Any]:
@@ -67,7 +67,7 @@ def verified(api: Api, family: str, number: int, samples: int) -> Dict[str, Any]
     seen = answer["profile"]["verified"]
     simulated = np.array([math.nan if y is None else y for y in seen["y"]])
     target = np.array(seen["target"])
-    return {"family": family, "number": number, "samples": samples, "seconds": float(effect(answer, "verification")["seconds"]),
+    return {"family": family, "number": number, "samples": samples, "seconds": float(effect(answer, "verification").get("seconds", 0.0)),
             "simulated": float(np.linalg.norm(simulated - target) / np.linalg.norm(target)), "model": float(answer["error"]["relative_rms"])}
 
 
