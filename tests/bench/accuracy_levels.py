@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 """What the levels of accuracy draft, normal and sure cost and err by: measures the table api/accuracy_levels.json anew.
 
-    tests/bench/accuracy_levels.py [--capabilities weaves,simulations] [--repetitions 5] [--output docs/bench]
+    tests/bench/accuracy_levels.py [--capabilities weaves,simulations] [--repetitions 5] [--table api/accuracy_levels.json] [--output docs/bench]
 
-Starts a server of its own (SUPPLE_BUILD, default build/release), writes seconds, errors, tasks and sources into the table, and the page
+Starts a server of its own (SUPPLE_BUILD, default build/release), writes seconds, errors, what they are of, tasks and sources into the table, and the page
 accuracy-levels.md. Capabilities that are not named keep what they have.
 """
 
@@ -38,12 +38,13 @@ SOURCE = "docs/bench/accuracy-levels.md#seconds-and-errors"
 
 @dataclass
 class Task:
-    """A reference task: its request, the settings of an answer that counts as exact, and the error of an answer against that."""
+    """A reference task: its request, the settings of an answer that counts as exact, and the error of an answer against that, also in words."""
 
     words: str
     request: Dict[str, Any]
     exact: Dict[str, Any]
     error: Callable[[Any, Any], float]
+    error_of: str
 
 
 def relative(values: Any, exact: Any) -> float:
@@ -73,32 +74,39 @@ def tasks(api: Api) -> Dict[str, Callable[[], Task]]:
             "200 directions of interlacing squares of type 1 at a strain of 0.1.",
             {"weave": {"pattern": "interlacing_squares", "type": 1}},
             {"accuracy": {"segments": 32}, "effects": {"error_estimate": "off"}},
-            lambda answer, exact: relative(answer["youngs_modulus"], exact["youngs_modulus"])),
+            lambda answer, exact: relative(answer["youngs_modulus"], exact["youngs_modulus"]),
+            "error of Young's modulus because of the rods' resolution, relative root mean square over the directions"),
         "simulations": lambda: Task(
             "Three states of the structure of the family IH01 with its default parameters under tension to 1.1.",
             {"family": "IH01", "load": {"uniaxial": {"direction": 0.3, "stretches": [1.03, 1.06, 1.1]}}},
             {"accuracy": {"discretization_error": 0.0002}},
-            lambda answer, exact: relative(stresses(answer), stresses(exact))),
+            lambda answer, exact: relative(stresses(answer), stresses(exact)),
+            "error of the stress because of the mesh, relative root mean square"),
         "geodesics": lambda: Task(
             "The distances from one point to all vertices of a sphere with waves of 81,920 faces.",
             {"mesh": api.upload(*bumpy_sphere(6)), "sources": [{"vertex": 0}]}, {},
-            lambda answer, exact: float(np.max(np.abs(np.array(answer["distances"]) / np.maximum(exact["distances"], 1e-12) - 1)))),
+            lambda answer, exact: float(np.max(np.abs(np.array(answer["distances"]) / np.maximum(exact["distances"], 1e-12) - 1))),
+            "largest relative error of a distance"),
         "networks": lambda: Task(
             "A network of springs on a sphere of 1,280 faces, of which three points are held.",
-            network(api.upload(*sphere(3)), None), {"accuracy": {"tolerance": 1e-14}}, farthest),
+            network(api.upload(*sphere(3)), None), {"accuracy": {"tolerance": 1e-14}}, farthest,
+            "how far a point is from its exact equilibrium at most, over the diagonal of the mesh"),
         "hosts": lambda: Task(
             "A network of springs on a spherical shell of 1,280 faces, of which three points are held.",
             network(api.upload(*sphere(3)), {"kind": "shell", "thickness": 0.01, "youngs_modulus": 1e4, "poisson_ratio": 0.3}),
-            {"accuracy": {"tolerance": 1e-13}}, farthest),
+            {"accuracy": {"tolerance": 1e-13}}, farthest,
+            "how far a point of the network is from its exact equilibrium at most, over the diagonal of the mesh; the error of the host's own mesh is not counted"),
         "voronoi": lambda: Task(
             "60 cells on a sphere with waves of 20,480 faces.",
             {"mesh": api.upload(*bumpy_sphere(5)), "sites": [{"vertex": 160 * k} for k in range(60)]}, {},
-            lambda answer, exact: 0.5 * float(np.sum(np.abs(areas(answer) - areas(exact))) / np.sum(areas(exact)))),
+            lambda answer, exact: 0.5 * float(np.sum(np.abs(areas(answer) - areas(exact))) / np.sum(areas(exact))),
+            "half the sum of the errors of the cells' areas, as a fraction of the surface"),
         "voronoi_optimizations": lambda: Task(
             "60 sites on a sphere of 5,120 faces, moved until their cells have equal areas.",
             {"mesh": api.upload(*sphere(4)), "sites": [{"vertex": 40 * k} for k in range(60)], "objectives": {"equal_area": 1}},
             {"accuracy": {"tolerance": 1e-10}, "max_iterations": 1000},
-            lambda answer, exact: max(0.0, answer["energy"] - exact["energy"]) / max(exact["energy"], 1e-12)),
+            lambda answer, exact: max(0.0, answer["energy"] - exact["energy"]) / max(exact["energy"], 1e-12),
+            "energy above that of the surest level, relative"),
     }
 
 
@@ -112,7 +120,7 @@ def measure(api: Api, rows: List[Dict[str, Any]], task: Task, repetitions: int) 
     exact = api.ok(path, {**task.request, **task.exact}, timeout=WAIT)
     for row in rows:
         answers = [api.ok(path, {**task.request, **row["request"]}, timeout=WAIT) for _ in range(repetitions)]
-        row["task"] = task.words
+        row["task"], row["error_of"] = task.words, task.error_of
         row["seconds"] = float(f"{min(answer['cost']['seconds'] for answer in answers):.2g}")
         error = task.error(answers[-1], exact)
         row["error"] = 0 if error < 1e-14 else float(f"{error:.2g}")
@@ -149,6 +157,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--capabilities", default="", help="separated by commas; all that have a task here without it")
     parser.add_argument("--repetitions", type=int, default=5, help="of each level, of which the fastest counts")
+    parser.add_argument("--table", type=Path, default=TABLE, help="where the table is written, which is read from the contract's folder")
     parser.add_argument("--output", type=Path, default=ROOT / "docs" / "bench")
     arguments = parser.parse_args()
     table = json.loads(TABLE.read_text(encoding="utf-8"))
@@ -158,11 +167,13 @@ def main() -> None:
             api = Api(server, Contract())
             known = tasks(api)
             for capability in arguments.capabilities.split(",") if arguments.capabilities else known:
+                if capability not in known:
+                    parser.error(f"{capability} is none of {', '.join(known)}")
                 rows = [level for level in table["levels"] if level["capability"] == capability]
                 measure(api, rows, known[capability](), arguments.repetitions)
         finally:
             server.stop()
-    TABLE.write_text(table_text(table), encoding="utf-8")
+    arguments.table.write_text(table_text(table), encoding="utf-8")
     write_section(arguments.output, "accuracy-levels", "levels", section(table))
 
 
