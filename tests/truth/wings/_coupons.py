@@ -16,16 +16,6 @@ from _elements import PLACES, Cell
 Array = Any
 MAX_PASSES = 30
 """Largest number of passes in which sides of the outline that are no edges of the mesh are halved."""
-MAX_ITERATIONS = 25
-"""Largest number of Newton's iterations of a load increment."""
-MAX_HALVINGS = 12
-"""Largest number of times that a step of Newton's is halved."""
-SAME_FORCE = 1e-8
-"""Residual forces over all forces at which a state is an equilibrium."""
-
-
-class NoEquilibrium(Exception):
-    """Newton's method does not converge: the coupon buckles, or an element turns over."""
 
 
 def _divided(ring: Array, size: float) -> Array:
@@ -150,15 +140,6 @@ class Coupon:
         self.free = np.flatnonzero(np.repeat(~(self.lower | self.upper), 2))
         self.count = count
 
-    def pulled(self, law: Any, strains: List[float]) -> List[Tested]:
-        """The states at these nominal strains between the grips, which do not turn and keep their distance sidewards."""
-        positions, states, before = self.points.copy(), [], 0.0
-        for strain in strains:
-            positions = self._equilibrium(law, self._advanced(law, positions, strain - before))
-            states.append(self._state(positions, self._response(law, positions)[1], strain))
-            before = strain
-        return states
-
     def stretched(self, law: Any) -> Tested:
         """The linear response at rest, for a strain between the grips of 1."""
         moved = self._advanced(law, self.points, 1.0) - self.points
@@ -191,23 +172,6 @@ class Coupon:
         rows = np.broadcast_to(self.unknowns[:, :, None], blocks.shape).ravel()
         columns = np.broadcast_to(self.unknowns[:, None, :], blocks.shape).ravel()
         return float(np.sum(self.weight * psi)), total, coo_matrix((blocks.ravel(), (rows, columns)), shape=(self.count, self.count)).tocsr()
-
-    def _equilibrium(self, law: Any, positions: Array) -> Array:
-        for _ in range(MAX_ITERATIONS):
-            energy, forces, matrix = self._response(law, positions, stiffness=True)
-            if matrix is None:
-                break
-            if np.linalg.norm(forces[self.free]) <= SAME_FORCE * np.linalg.norm(forces):
-                return positions
-            step = np.zeros(self.count)
-            step[self.free] = -self._solved(matrix, forces)
-            slope = float(forces @ step)
-            for halvings in range(MAX_HALVINGS):
-                moved = positions + (step * 0.5 ** halvings).reshape(-1, 2)
-                if self._response(law, moved)[0] <= energy + 1e-4 * 0.5 ** halvings * slope + 1e-14 * abs(energy):
-                    break
-            positions = moved
-        raise NoEquilibrium("Newton's method does not converge")
 
     def _state(self, positions: Array, forces: Array, strain: float) -> Tested:
         force = float(forces.reshape(-1, 2)[self.upper, 1].sum())
