@@ -102,11 +102,11 @@ def tasks(api: Api) -> Dict[str, Callable[[], Task]]:
             lambda answer, exact: 0.5 * float(np.sum(np.abs(areas(answer) - areas(exact))) / np.sum(areas(exact))),
             "half the sum of the errors of the cells' areas, as a fraction of the surface"),
         "voronoi_optimizations": lambda: Task(
-            "60 sites on a sphere of 5,120 faces, moved until their cells have equal areas.",
-            {"mesh": api.upload(*sphere(4)), "sites": [{"vertex": 40 * k} for k in range(60)], "objectives": {"equal_area": 1}},
+            "60 sites on a sphere of 5,120 faces, moved to the centres of their cells.",
+            {"mesh": api.upload(*sphere(4)), "sites": [{"vertex": 40 * k} for k in range(60)], "objectives": {"centroidal": 1}},
             {"accuracy": {"tolerance": 1e-10}, "max_iterations": 1000},
-            lambda answer, exact: max(0.0, answer["energy"] - exact["energy"]) / max(exact["energy"], 1e-12),
-            "energy above that of the surest level, relative"),
+            lambda answer, exact: max(0.0, answer["energy"] / exact["energy"] - 1),
+            "energy above that of a tolerance of 1e-10, relative"),
     }
 
 
