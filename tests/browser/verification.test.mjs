@@ -138,7 +138,46 @@ describe("a verification", () => {
   });
 });
 
+/** A verdict with its buttons as rows of text, from one line to three. */
+const VERDICTS = [
+  "Simulated: reached, 0.7 % off.",
+  "Simulated: 45 % off. The plateau is reached from 8 to 20 %, the rise is not.",
+  "Simulated: 45 % off. The plateau is reached from 8 to 20 %, the rise from 0 to 5 % is not, nor is what comes after 20 %, where the walls touch.",
+];
+
 describe("the verdict", () => {
+  it("covers no part of the plot, and does not move it while a point is dragged", async () => {
+    const design = await DesignPage.open(browser, server.url + "/" + LINK, { viewport: { width: 1280, height: 720 } });
+    const { page } = design;
+    const say = (words) =>
+      page.evaluate(async (text) => {
+        document.querySelector(".verdict-words").textContent = text;
+        for (let k = 0; k < 3; ++k) await new Promise(requestAnimationFrame); // the height of the verdict becomes the plot's
+      }, words);
+    const box = (place) => page.locator(place).evaluate((element) => element.getBoundingClientRect().toJSON());
+    for (const [width, height] of [[1280, 720], [1280, 800], [1440, 900]]) {
+      await page.setViewportSize({ width, height });
+      for (const words of VERDICTS) {
+        await say(words);
+        const [stage, plot, verdict] = [await box(".stage"), await box(".stage .plot"), await box(".verdict-line")];
+        const where = `${width} by ${height}, "${words}": ${JSON.stringify({ stage, plot, verdict })}`;
+        assert.ok(stage.top > 0 && stage.bottom <= verdict.top && plot.bottom <= stage.bottom + 1, `the plot with its axes ends above the verdict, ${where}`);
+        assert.ok(verdict.bottom <= height, `the verdict is in sight, ${where}`);
+        assert.ok(stage.height >= 220, `the plot can be used, ${where}`);
+      }
+    }
+    await page.setViewportSize({ width: 1280, height: 720 });
+    await say(VERDICTS[0]);
+    const { height } = await box(".stage");
+    await design.drag(2, 0, -20, async () => {
+      await page.locator(".verdict-line").evaluate((line) => (line.style.minHeight = "200px"));
+      await page.waitForTimeout(100);
+      assert.equal((await box(".stage")).height, height, "the plot keeps its height under the pointer");
+    });
+    await until(async () => (await box(".stage")).height < height, "the room for the verdict after the drag");
+    await closePage(page);
+  });
+
   for (const [width, height] of [[1280, 720], [390, 844]]) {
     it(`is in sight with its buttons in a window of ${width} by ${height}`, async () => {
       const design = await DesignPage.open(browser, server.url + "/" + LINK, { viewport: { width, height } });

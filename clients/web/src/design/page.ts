@@ -34,6 +34,7 @@ import { targetControls } from "./target_controls";
 import { tilingPreview } from "./tiling_preview";
 import { valueTable } from "./value_table";
 import { verdictLine } from "./verdict_line";
+import { leaveRoom } from "./verdict_room";
 import { Verification } from "./verification";
 import { verificationCard } from "./verification_card";
 import { WaysOut } from "./ways_out";
@@ -74,6 +75,7 @@ export function designPage({ client, link }: PageContext): Page {
 
   handleDrops(element, (text, name, bytes) => (isDrawing(name, text) ? part.open(text, name) : measured.read(tableOf(bytes), name)));
 
+  leaveRoom(element, line, panel.dragging);
   dimOutdated(session, element, pin);
 
   const keys = undoKeys(session);

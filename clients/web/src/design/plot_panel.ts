@@ -3,6 +3,7 @@ import { announce } from "../base/announce";
 import { button } from "../base/controls";
 import { h, replace, svg, uniqueId } from "../base/dom";
 import { degrees, digits, percent } from "../base/format";
+import { Observable } from "../base/observable";
 import { ProgressRow } from "../base/progress_row";
 import { touchWords } from "../base/touch_words";
 import { Problem } from "../contract/client";
@@ -40,7 +41,8 @@ export class PlotPanel {
   private readonly remove = button("", () => this.removeSelected(), { icon: "minus", title: "Remove the selected control point" });
   private readonly whole = button("", () => this.plot.resetZoom(), { icon: "fit", title: "Show the whole plot" });
   private selected: number | null = null;
-  private dragging = false;
+  /** Whether a control point is being dragged. */
+  readonly dragging = new Observable(false);
   private scheduled = false;
 
   constructor(
@@ -95,12 +97,12 @@ export class PlotPanel {
     const { session } = this;
     return {
       begin: () => {
-        this.dragging = true;
+        this.dragging.set(true);
         session.gesture();
       },
       move: (index, to) => this.move(index, to),
       end: () => {
-        this.dragging = false;
+        this.dragging.set(false);
         session.finish();
         this.schedule();
       },
@@ -207,10 +209,10 @@ export class PlotPanel {
       pins: [...this.pins.list.get().flatMap((pin) => pin.curve ?? []), ...this.overlays.list.get()],
       hovered: this.hovered === null || polar ? this.hovered : Math.max(state.points[0]?.[0] ?? 0, Math.min(state.points.at(-1)?.[0] ?? 0, this.hovered)),
       // Missed samples are marked only where the target is not reached.
-      missed: shown && fresh === "current" && !this.dragging && judgedResponse(this.session, this.verification, shown).grade !== "reached"
+      missed: shown && fresh === "current" && !this.dragging.get() && judgedResponse(this.session, this.verification, shown).grade !== "reached"
         ? shown.x.flatMap((x, k): ControlPoint[] => (shown.reached[k] ? [] : [[x, shown.target[k]]])) : [],
       strainWord: STRAIN_WORDS[state.measure],
-      dragging: this.dragging,
+      dragging: this.dragging.get(),
     };
   }
 
@@ -250,7 +252,7 @@ export class PlotPanel {
   private showReading(view: PlotView): void {
     const x = view.hovered;
     if (x === null) {
-      return replace(this.reading, this.dragging ? ""
+      return replace(this.reading, this.dragging.get() ? ""
         : touchWords("Point at the plot to read its values; pinch, or turn the wheel with Ctrl, to zoom.", "Touch the plot to read its values, and pinch it to zoom."));
     }
     const polar = isPolar(view.task);
@@ -288,7 +290,7 @@ export class PlotPanel {
 
   private tellOutcome(): void {
     const shown = this.session.results.shown.get();
-    if (!shown || this.dragging) return;
+    if (!shown || this.dragging.get()) return;
     const judgement = judgedDesign(this.session, this.verification, shown);
     const several = shown.targets.length > 1 ? ` ${targetWords(this.session.state.get())}; ${percent(shown.overall)} from all targets` : "";
     const inSight = judgedResponse(this.session, this.verification, shown);
