@@ -239,6 +239,21 @@ describe("profiles over direction", () => {
   }
 });
 
+describe("the buttons above the plot", () => {
+  it("are one row in windows from 1200 px on, each with its name", () =>
+    withDesign(async (design, page) => {
+      const toolbar = page.getByRole("toolbar", { name: "Plot" });
+      await page.locator(".toolbar [aria-label='Show the whole plot']").evaluate((whole) => (whole.hidden = false)); // as in a zoomed plot
+      for (const width of [1200, 1271, 1280, 1401, 1440, 1501]) {
+        await page.setViewportSize({ width, height: 800 });
+        const middles = await toolbar.evaluate((row) => [...row.children].filter((one) => one.offsetHeight > 0).map((one) => one.offsetTop + one.offsetHeight / 2));
+        assert.ok(Math.max(...middles) - Math.min(...middles) < 4, `one row in ${width} px: ${middles}`);
+        for (const name of ["Take as target", "Pin", "Share", "Undo (Ctrl+Z)"]) assert.equal(await toolbar.getByRole("button", { name, exact: true }).count(), 1, `${name}, ${width} px`);
+        assert.deepEqual(await toolbar.locator("summary").allTextContents(), ["Copy as", "Export"]);
+      }
+    }));
+});
+
 describe("what is compared and what is good", () => {
   it("is seen: a pinned curve has its name in the legend, and success is green", () =>
     withDesign(async (design, page) => {

@@ -3,7 +3,7 @@ import { icon, type IconName } from "./icons";
 
 /** A menu that opens below its button. Escape and a press elsewhere close it. */
 export function menu(words: string, picture: IconName, ...groups: HTMLElement[]): HTMLDetailsElement {
-  return menuBelow(h("summary", { class: "button" }, icon(picture), h("span", {}, words)), ...groups);
+  return menuBelow(h("summary", { class: "button", title: words }, icon(picture), h("span", {}, words)), ...groups);
 }
 
 /** The same with a button of one's own. */

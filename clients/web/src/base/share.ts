@@ -23,7 +23,11 @@ export function shareButton(title: string, write: () => string | undefined): HTM
     const label = element.querySelector("span");
     if (!label) return;
     label.textContent = words;
-    setTimeout(() => (label.textContent = "Share"), FLASH_MS);
+    element.classList.add("told");
+    setTimeout(() => {
+      label.textContent = "Share";
+      element.classList.remove("told");
+    }, FLASH_MS);
   }
 
   return element;

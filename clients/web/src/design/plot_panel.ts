@@ -59,7 +59,8 @@ export class PlotPanel {
     const undo = button("", () => session.undo(), { icon: "undo", title: "Undo (Ctrl+Z)" });
     const redo = button("", () => session.redo(), { icon: "redo", title: "Redo (Ctrl+Shift+Z)" });
     const add = button("", () => this.addAfterSelected(), { icon: "plus", title: "Add a control point" });
-    const adopt = button("Take as target", () => session.targetEdits.adopt(), { title: "Make the design’s response the target" });
+    const adopt = button("Take as target", () => session.targetEdits.adopt(), { icon: "target", title: "Make the design’s response the target" });
+    adopt.classList.add("adopt");
     const toolbar = h("div", { class: "toolbar", role: "toolbar", "aria-label": "Plot" }, undo, redo, h("span", { class: "gap" }), add, this.remove, adopt, this.whole,
       h("span", { class: "stretch" }), ...tools);
     this.whole.hidden = true;
