@@ -67,9 +67,11 @@ describe("a first visit", () => {
     withDesign(async (_, page) => {
       const labels = await page.locator(".parameters label").allTextContents();
       assert.ok(labels.length > 0 && labels.every((words) => !/^Parameter/.test(words)), labels.join());
-      await page.getByRole("button", { name: "What is meant by “Poisson’s ratio”?" }).first().click();
+      const kinds = page.getByRole("group", { name: "What the target shows" });
+      assert.equal(await kinds.locator(".term-hint").count(), 1, "one button for the three terms");
+      await kinds.getByRole("button", { name: "What is meant by “Stress”, “Stiffness” and “Poisson’s ratio”?" }).click();
       const note = page.locator(".term-note:popover-open");
-      assert.match(await note.textContent(), /auxetic/);
+      for (const words of [/Force over the area/, /how much the stress rises/i, /auxetic/]) assert.match(await note.textContent(), words);
       await page.keyboard.press("Escape");
       await until(async () => (await page.locator(".term-note:popover-open").count()) === 0, "a closed definition");
     }));

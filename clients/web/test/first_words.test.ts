@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { TERMS } from "../src/base/terms";
+import { TERMS, termQuestion } from "../src/base/terms";
 import { isTouch, tapped, touchWords } from "../src/base/touch_words";
 import { cellText, editedPoint } from "../src/design/value_table";
 import { familiesWithWords, parameterWords } from "../src/design/parameter_words";
@@ -21,6 +21,11 @@ describe("words for a first visit", () => {
 
   it("fall back to the number for a family that has none", () => {
     expect(parameterWords("IH99", 2)).toEqual({ name: "Parameter 3", help: "" });
+  });
+
+  it("ask for several terms with one question", () => {
+    expect(termQuestion(["strain"])).toBe("What is meant by “Strain”?");
+    expect(termQuestion(["stress", "stiffness", "poisson"])).toBe("What is meant by “Stress”, “Stiffness” and “Poisson’s ratio”?");
   });
 
   it("define each term in sentences", () => {

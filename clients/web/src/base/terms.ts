@@ -42,25 +42,33 @@ export const TERMS = {
 
 export type TermName = keyof typeof TERMS;
 
-/** A button that shows the definition of a term, and the definition. Escape, a press elsewhere and a second press close it. */
-export function termHint(name: TermName): HTMLElement {
-  const { name: words, definition } = TERMS[name];
-  const note = h("span", { class: "term-note", id: uniqueId("term"), role: "note", popover: "auto" }, h("strong", {}, `${words}. `), definition);
-  const open = h("button", { type: "button", class: "term-hint", "aria-label": `What is meant by “${words}”?`, title: definition, popovertarget: note.id }, "?");
+/** What the button for some terms asks, as in "What is meant by “Stress” and “Stiffness”?" */
+export function termQuestion(names: readonly TermName[]): string {
+  const quoted = names.map((name) => `“${TERMS[name].name}”`);
+  const last = quoted.at(-1) ?? "";
+  return `What is meant by ${quoted.length > 1 ? `${quoted.slice(0, -1).join(", ")} and ${last}` : last}?`;
+}
+
+/** A button that shows the definitions of terms, and the definitions. Escape, a press elsewhere and a second press close it. */
+export function termHint(names: readonly TermName[]): HTMLElement {
+  const definitions = names.map((name) => h("span", { class: "term-definition" }, h("strong", {}, `${TERMS[name].name}. `), TERMS[name].definition));
+  const note = h("span", { class: "term-note", id: uniqueId("term"), role: "note", popover: "auto" }, ...definitions);
+  const title = names.map((name) => TERMS[name].definition).join("\n");
+  const open = h("button", { type: "button", class: "term-hint", "aria-label": termQuestion(names), title, popovertarget: note.id }, "?");
   return h("span", { class: "term" }, open, note);
 }
 
-/** Adds the definition of a term to the label or the legend of a control. */
+/** Adds the definitions of terms to the label or the legend of a control, behind one button. */
 export function withTerm<Control extends HTMLElement>(element: Control, ...names: TermName[]): Control {
-  const hints = names.map(termHint);
+  const hint = termHint(names);
   const legend = element.querySelector("legend");
   const label = element.querySelector("label");
   // Within the legend they would be part of the group's name.
-  if (legend) legend.after(h("div", { class: "term-row" }, ...hints));
+  if (legend) legend.after(h("div", { class: "term-row" }, hint));
   else if (label) {
     const head = h("div", { class: "term-head" });
     label.replaceWith(head);
-    head.append(label, ...hints);
+    head.append(label, hint);
   }
   return element;
 }
