@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import type { MeasuredCurve } from "../src/contract/types";
 import type { Client } from "../src/contract/client";
-import { askedPointers, asksForSense, drawnBehind, tableOf, Measured, type MeasuredData, measuredRequest, INITIAL_SETTINGS, reductionSentence } from "../src/design/measured";
+import { askedPointers, asksForSense, drawnBehind, tableOf, Measured, type MeasuredData, measuredRequest, INITIAL_SETTINGS, notesOf, reductionSentence } from "../src/design/measured";
 import { textOf } from "../src/base/text_file";
 import { DesignSession } from "../src/design/session";
 import { DEFAULT_STATE } from "../src/design/state";
@@ -45,6 +45,15 @@ describe("the question whether a specimen was pulled or pressed", () => {
     const curve = { sense: { used: "tension", told_by: "nothing" } } as unknown as MeasuredCurve;
     expect(asksForSense({ ...data, curve, problem: "", pointers: [] })).toBe(true);
   });
+
+  it("stands alone: nothing is said to be assumed until it is answered", () => {
+    const notes: MeasuredCurve["notes"] = [{ level: "note", text: "3 points were set aside.", pointer: "" }, { level: "note", text: "Tension was assumed.", pointer: "/sense" }];
+    const untold = { ...CURVE, sense: { used: "tension", told_by: "nothing" }, notes } as MeasuredCurve;
+    expect(notesOf(data({ curve: untold }), "note")).toEqual(["3 points were set aside."]);
+    expect(notesOf(data({ curve: untold }), "warning")).toEqual([]);
+    const told = { ...untold, sense: { used: "tension", told_by: "request" } } as MeasuredCurve;
+    expect(notesOf(data({ curve: told }), "note")).toHaveLength(2);
+  });
 });
 
 describe("measured data", () => {
@@ -67,7 +76,7 @@ describe("measured data", () => {
 
   it("says how close the control points come", () => {
     const notes: MeasuredCurve["notes"] = [{ level: "note", text: "3 points were set aside.", pointer: "" }, { level: "warning", text: "Half were.", pointer: "" }];
-    const sentence = reductionSentence({ ...CURVE, notes }, String, (fraction) => `${100 * fraction} %`);
+    const sentence = reductionSentence(CURVE, notesOf(data({ curve: { ...CURVE, notes } }), "note"), String, (fraction) => `${100 * fraction} %`);
     expect(sentence).toBe("3 control points follow 500 measured ones within 0.4 %, at most 0.01 MPa apart. 3 points were set aside.");
   });
 

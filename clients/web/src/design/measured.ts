@@ -84,13 +84,19 @@ export function asksForSense({ curve, settings, problem, pointers }: Pick<Measur
   return settings.sense === undefined && (problem === "" ? curve?.sense?.told_by === "nothing" : pointers.includes("/sense"));
 }
 
+/** The server's notes of a level. While the card asks for the sense, none of them says which one was assumed. */
+export function notesOf(data: Pick<MeasuredData, "curve" | "settings" | "problem" | "pointers">, level: "note" | "warning"): string[] {
+  const asks = asksForSense(data);
+  return (data.curve?.notes ?? []).filter((note) => note.level === level && !(asks && note.pointer === "/sense")).map(({ text }) => text);
+}
+
 /** How closely the control points follow the data, with the server's notes. Warnings are shown elsewhere. */
-export function reductionSentence(curve: MeasuredCurve, number: (value: number) => string, percent: (fraction: number) => string): string {
+export function reductionSentence(curve: MeasuredCurve, notes: readonly string[], number: (value: number) => string, percent: (fraction: number) => string): string {
   const { error, target, point_count: count } = curve;
   const points = target.control_points.length;
   const unit = curve.task === "poisson" ? "" : " MPa";
   const follows = `${points} control points follow ${count.toLocaleString("en")} measured ones within ${percent(error.relative_rms)}, at most ${number(error.max)}${unit} apart.`;
-  return [follows, ...curve.notes.filter((note) => note.level === "note").map((note) => note.text)].join(" ");
+  return [follows, ...notes].join(" ");
 }
 
 export class Measured {

@@ -4,7 +4,7 @@ import { h, replace, uniqueId } from "../base/dom";
 import { digits, percent } from "../base/format";
 import { rebuild } from "../base/writing";
 import type { MeasuredCurve } from "../contract/types";
-import { askedPointers, asksForSense, type Measured, type MeasuredData, type MeasuredSettings, reductionSentence, tableOf } from "./measured";
+import { askedPointers, asksForSense, type Measured, type MeasuredData, type MeasuredSettings, notesOf, reductionSentence, tableOf } from "./measured";
 import { isPolar } from "./state";
 
 const FILE_TYPES = ".csv,.tsv,.txt,.dat,text/csv,text/plain,text/tab-separated-values";
@@ -39,13 +39,13 @@ export function measuredCard(measured: Measured): HTMLElement {
     h("div", { class: "row" }, h("label", { class: "button primary", for: file.id }, "Open a file"), file, paste, remove), note, warnings, settings);
   measured.data.watch((data) => {
     remove.hidden = !data;
-    replace(warnings, ...(data?.problem ? [] : data?.curve?.notes ?? []).filter(({ level }) => level === "warning").map(({ text }) => h("p", {}, text)));
+    replace(warnings, ...(data && !data.problem ? notesOf(data, "warning") : []).map((text) => h("p", {}, text)));
     if (!data) {
       rebuild(settings, () => []);
       note.textContent = "CSV or text with two columns or more; or drop a file onto the page.";
       return;
     }
-    note.textContent = data.problem ? `${data.name}: ${data.problem}` : `${data.name}: ${data.curve ? reductionSentence(data.curve, digits, percent) : ""}`;
+    note.textContent = data.problem ? `${data.name}: ${data.problem}` : `${data.name}: ${data.curve ? reductionSentence(data.curve, notesOf(data, "note"), digits, percent) : ""}`;
     note.classList.toggle("problem", data.problem !== "");
     rebuild(settings, () => fields(measured, measured.data.get() ?? data));
     // The card opens if the user has to complete what the file does not say.
