@@ -116,7 +116,9 @@ describe("the material", () => {
       assert.deepEqual([request.material, request.orientation, request.direction], [{ density: 1.24 }, Math.PI / 6, 0]);
       // The coupon is loaded in the direction of the target. The user may choose another direction, or none.
       assert.equal(await part.getByLabel("Loaded along, °").inputValue(), "0");
-      assert.match(await part.locator(".part-turn").textContent(), /^Turned by 90 degrees so that the design’s load runs along the part/);
+      assert.match(await part.locator(".part-turn").textContent(), /^Turned by 90 degrees so that the design’s load runs along the part: it is loaded as it was designed/);
+      const colour = (place) => place.evaluate((element) => getComputedStyle(element).color);
+      assert.equal(await colour(part.locator(".part-turn")), await colour(part.locator(".part-size")), "it is no warning");
       await until(async () => /along the design’s 0°/.test(await part.locator(".facts").textContent()), "what the part tests");
       await part.getByLabel("Loaded along, °").fill("");
       await part.getByLabel("Loaded along, °").press("Enter");

@@ -50,7 +50,7 @@ describe("the sketch of a part", () => {
 
 describe("the load of a part", () => {
   it("says by how much the structure is turned, as an axis is", () => {
-    expect(loadWords(0, Math.PI / 2)).toBe("Turned by 90 degrees so that the design’s load runs along the part.");
+    expect(loadWords(0, Math.PI / 2)).toBe("Turned by 90 degrees so that the design’s load runs along the part: it is loaded as it was designed.");
     expect(loadWords(2.5, Math.PI / 2)).toMatch(/^Turned by −53\.2 degrees/);
     expect(loadWords(Math.PI / 2, Math.PI / 2)).toMatch(/^Not turned: the design’s load runs along/);
     expect(loadWords(-Math.PI / 2, Math.PI / 2)).toMatch(/^Not turned: the design’s load/);

@@ -50,7 +50,7 @@ function productShown(session: DesignSession, part: Part): Product | null {
 /** The sketch of a part from the fields alone, before the server has made it: `sketch` draws it and says its outer size and how it is turned. */
 function partSketch(session: DesignSession, part: Part, draw: (shape: Sketch | null) => void): { size: HTMLElement; turned: HTMLElement; sketch: () => void } {
   const size = h("p", { class: "muted part-size" });
-  const turned = h("p", { class: "note part-turn", role: "status" });
+  const turned = h("p", { class: "note plain part-turn", role: "status" });
   const sketch = (): void => {
     const settings = part.settings.get();
     const shape = sketchOf(settings, part.drawing.get(), layoutShown(session, part), session.regionEdits.all.map(regionWords));

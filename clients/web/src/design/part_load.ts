@@ -26,7 +26,7 @@ export function loadWords(direction: number | null, axis: number | null): string
   if (direction === null) return "Not turned: the design has no single direction of load.";
   const turn = axisTurn(axis - direction);
   if (turn === 0) return "Not turned: the design’s load runs along the part as it is.";
-  return `Turned by ${digits(turn, 4)} degrees so that the design’s load runs along the part.`;
+  return `Turned by ${digits(turn, 4)} degrees so that the design’s load runs along the part: it is loaded as it was designed.`;
 }
 
 /** The path of an arrow with a head at each end, along an axis through a point; y points downwards, as in SVG. */
