@@ -190,6 +190,11 @@ describe("the verdict", () => {
       await picture(page, `design-verdict-${width}`);
       await design.button("Save part").click();
       assert.equal(await page.locator("details.part").getAttribute("open"), "");
+      if (width > 760) {
+        const files = page.getByRole("group", { name: "Files of the part" }).getByRole("button");
+        assert.equal(await files.count(), 5);
+        for (const { y, height: size } of await Promise.all((await files.all()).map((one) => one.boundingBox()))) assert.ok(y >= 0 && y + size <= height, `the files at ${y} are in sight`);
+      }
       await closePage(page);
     });
   }

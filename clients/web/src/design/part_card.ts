@@ -72,18 +72,24 @@ async function save(session: DesignSession, part: Part, format: PartFormat, tell
   }
 }
 
+/** The buttons that save the part. They stay in sight at the lower edge of the window while the settings above them are scrolled. */
+function fileButtons(session: DesignSession, part: Part, tell: (sentence: string) => void): HTMLElement {
+  const formats = (["stl", "3mf", "step", "dxf", "svg"] as const).map((format) =>
+    button(format.toUpperCase(), () => void save(session, part, format, tell), { title: `Download the part as ${format.toUpperCase()}` })
+  );
+  return h("div", { class: "part-files", role: "group", "aria-label": "Files of the part" }, h("span", { class: "muted" }, "Save"), ...formats);
+}
+
 export function partCard(session: DesignSession, part: Part): HTMLElement {
   const kind = new Segments<PartSettings["kind"]>("Shape", SHAPES, (value) => change({ kind: value }));
   const whole = new Checkbox("Whole tiles only", (value) => change({ whole: value }));
   const fields = new PartFields(change, show);
   const fromDrawing = drawingFields(session, part);
-  const formats = (["stl", "3mf", "step", "dxf", "svg"] as const).map((format) =>
-    button(format.toUpperCase(), () => void save(session, part, format, result.tell), { title: `Download the part as ${format.toUpperCase()}` })
-  );
-  const result = partResult(part, h("div", { class: "row", role: "group", "aria-label": "Files of the part" }, ...formats));
+  const result = partResult(part);
+  const files = fileButtons(session, part, result.tell);
   const { size, turned, sketch } = partSketch(session, part, result.sketch);
   const element = h("details", { class: "card controls part", "aria-label": "Part" }, h("summary", {}, "Part to make"), kind.element, fromDrawing, fields.element, whole.element,
-    size, turned, result.element);
+    size, turned, files, result.element);
 
   const later = debounce(() => describe(), PAUSE_MS);
 
@@ -100,7 +106,7 @@ export function partCard(session: DesignSession, part: Part): HTMLElement {
     const isDrawing = settings.kind === "drawing";
     fromDrawing.hidden = !isDrawing;
     // Until a drawing has been read, the last result belongs to another shape.
-    result.element.hidden = isDrawing && part.drawing.get() === null;
+    files.hidden = result.element.hidden = isDrawing && part.drawing.get() === null;
     sketch();
   }
 

@@ -89,8 +89,8 @@ class PartPicture {
   }
 }
 
-/** `element`: the picture with the facts and `files`. `sketch` draws the shape before it is made; `tell` shows a sentence below the facts. */
-export function partResult(part: Part, files: HTMLElement): { element: HTMLElement; sketch: (sketch: Sketch | null) => void; tell: (sentence: string) => void } {
+/** `element`: the picture with the facts. `sketch` draws the shape before it is made; `tell` shows a sentence above the picture. */
+export function partResult(part: Part): { element: HTMLElement; sketch: (sketch: Sketch | null) => void; tell: (sentence: string) => void } {
   const picture = new PartPicture();
   const facts = h("dl", { class: "facts compact" });
   const note = h("p", { class: "note", role: "status" });
@@ -106,5 +106,5 @@ export function partResult(part: Part, files: HTMLElement): { element: HTMLEleme
   const tell = (sentence: string): void => {
     note.textContent = sentence;
   };
-  return { element: h("div", { class: "part-result" }, picture.element, facts, note, files), sketch: (sketch) => picture.sketch(sketch), tell };
+  return { element: h("div", { class: "part-result" }, note, picture.element, facts), sketch: (sketch) => picture.sketch(sketch), tell };
 }
