@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 import type { WeaveHomogenization, WeaveLayout } from "../src/contract/types";
 import { polarPath } from "../src/base/polar";
 import { carriedOverrides } from "../src/weave/carried";
-import { connectionWords, crossingWords, nextConnection, withConnection } from "../src/weave/connections";
+import { clickWords, connectionWords, crossingWords, nextConnection, withConnection } from "../src/weave/connections";
 import { blockOf, directionAt, latticeCoordinates, periodicDistance } from "../src/weave/geometry";
 import { isLattice, roundedToGrid, strandOf, withLattice } from "../src/weave/layout_edit";
 import { csvOf, gapWords, nearestDirection, profileOf } from "../src/weave/profile";
@@ -24,6 +24,13 @@ const straight = (from: number[], to: number[], ends: "open" | "periodic" = "ope
 });
 const layoutOf = (strands: ReturnType<typeof straight>[], crossings: ReturnType<typeof crossing>[], lattice: number[][] | null) =>
   ({ strands, crossings, lattice, material: {}, warnings: [], effects: [], cost: { seconds: 0 } }) as unknown as WeaveLayout;
+
+describe("the words beside the crossings", () => {
+  it("say what a click does to a sheet where the weave is a cell of one", () => {
+    expect(clickWords({ lattice: [[4, 0], [0, 4]] })).toMatch(/^Click a crossing to change it, here and in every cell of a sheet\. .*stay as they are\.$/);
+    expect(clickWords({ lattice: null })).toBe("Click a crossing to change it.");
+  });
+});
 
 describe("the connection of a crossing", () => {
   it("goes from fused over each strand that slides back to fused", () => {

@@ -36,6 +36,13 @@ export function crossingWords(crossing: Crossing, index: number): string {
   return `Crossing ${index + 1} of ${which}: ${connectionWords(crossing)}`;
 }
 
+/** What a click on a crossing does, also to a sheet if the weave is a cell that repeats. */
+export function clickWords(layout: Pick<WeaveLayout, "lattice">): string {
+  return layout.lattice
+    ? "Click a crossing to change it, here and in every cell of a sheet. Crossings that a sheet has only between its cells or at its edge stay as they are."
+    : "Click a crossing to change it.";
+}
+
 /** How many crossings are fused and how many slide, as a sentence. */
 export function crossingsSummary(layout: WeaveLayout): string {
   const sliding = layout.crossings.filter((crossing) => crossing.members.some((member) => member.slides)).length;

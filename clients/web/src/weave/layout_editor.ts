@@ -4,7 +4,7 @@ import { h, replace, svg } from "../base/dom";
 import { digits } from "../base/format";
 import { touchWords } from "../base/touch_words";
 import type { LayoutResult } from "./carried";
-import { type Crossing, connectionWords, crossingsSummary, crossingWords, slidingMembers } from "./connections";
+import { clickWords, type Crossing, connectionWords, crossingsSummary, crossingWords, slidingMembers } from "./connections";
 import type { Draft } from "./draft";
 import { blockOf, type Box, boxAround, directionAt, latticePoint, pathOf } from "./geometry";
 import { roundedToGrid } from "./layout_edit";
@@ -68,7 +68,7 @@ export class LayoutEditor {
     this.cell.setAttribute("stroke-dasharray", `${this.side / 60} ${this.side / 80}`);
     this.drawCrossings(laidOut);
     this.drawDraft();
-    this.summary.textContent = laidOut ? touchWords(`${crossingsSummary(laidOut.layout)}. Click a crossing to change it.`) : "No strands yet.";
+    this.summary.textContent = laidOut ? touchWords(`${crossingsSummary(laidOut.layout)}. ${clickWords(laidOut.layout)}`) : "No strands yet.";
     replace(this.warnings, ...(laidOut?.layout.warnings ?? []).map((sentence) => h("li", {}, sentence)));
   }
 
