@@ -195,6 +195,12 @@ describe("the verdict", () => {
         assert.equal(await files.count(), 5);
         for (const { y, height: size } of await Promise.all((await files.all()).map((one) => one.boundingBox()))) assert.ok(y >= 0 && y + size <= height, `the files at ${y} are in sight`);
       }
+      // Cells of 14 mm are few in a coupon of 30 mm.
+      const hint = page.locator(".part-cells");
+      assert.match(await hint.textContent(), /About 2 cells across: the edges count/);
+      await hint.getByRole("button", { name: /^Make it \d+ × \d+ mm$/ }).click();
+      await hint.waitFor({ state: "hidden" });
+      assert.ok(Number(await page.locator("details.part").getByLabel("Width, mm").inputValue()) >= 80, "six cells");
       await closePage(page);
     });
   }

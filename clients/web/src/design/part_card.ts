@@ -4,6 +4,7 @@ import { h } from "../base/dom";
 import { download } from "../base/download";
 import { debounce } from "../base/debounce";
 import { explain } from "../contract/client";
+import { cellsOf, cellWords } from "./part_cells";
 import { layoutOf, type PartLayout } from "./drawing";
 import { drawingFields } from "./drawing_fields";
 import { fillingsOf } from "./fillings";
@@ -61,6 +62,25 @@ function partSketch(session: DesignSession, part: Part, draw: (shape: Sketch | n
   return { size, turned, sketch };
 }
 
+/** Says where the part has so few cells that its edges count, with a button that makes it larger. */
+function cellHint(session: DesignSession, part: Part, change: (values: Partial<PartSettings>) => void): { element: HTMLElement; show: () => void } {
+  const words = h("p");
+  const enlarge = button("", () => {
+    const better = cells()?.better;
+    if (better) change(better);
+  });
+  const element = h("div", { class: "note plain part-cells", role: "status" }, words, enlarge);
+  const cells = () => cellsOf(part.settings.get(), session.results.shown.get()?.measures ?? null);
+  const show = (): void => {
+    const known = cells();
+    element.hidden = !known?.better;
+    if (!known?.better) return;
+    words.textContent = cellWords(known);
+    enlarge.textContent = `Make it ${known.better.width} × ${known.better.length} mm`;
+  };
+  return { element, show };
+}
+
 async function save(session: DesignSession, part: Part, format: PartFormat, tell: (sentence: string) => void): Promise<void> {
   const shown = session.results.shown.get();
   if (!shown) return;
@@ -88,8 +108,9 @@ export function partCard(session: DesignSession, part: Part): HTMLElement {
   const result = partResult(part);
   const files = fileButtons(session, part, result.tell);
   const { size, turned, sketch } = partSketch(session, part, result.sketch);
+  const hint = cellHint(session, part, change);
   const element = h("details", { class: "card controls part", "aria-label": "Part" }, h("summary", {}, "Part to make"), kind.element, fromDrawing, fields.element, whole.element,
-    size, turned, files, result.element);
+    size, hint.element, turned, files, result.element);
 
   const later = debounce(() => describe(), PAUSE_MS);
 
@@ -108,6 +129,7 @@ export function partCard(session: DesignSession, part: Part): HTMLElement {
     // Until a drawing has been read, the last result belongs to another shape.
     files.hidden = result.element.hidden = isDrawing && part.drawing.get() === null;
     sketch();
+    hint.show();
   }
 
   function describe(): void {
@@ -125,6 +147,7 @@ export function partCard(session: DesignSession, part: Part): HTMLElement {
       if (now !== lastSettings) part.settings.set({ ...part.settings.get(), ...settings });
       lastSettings = now;
     }
+    hint.show();
     later.schedule();
   });
   part.settings.watch(() => show());
