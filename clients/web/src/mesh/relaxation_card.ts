@@ -10,14 +10,13 @@ import { digits, seconds } from "../base/format";
 import { savePng } from "../base/png_file";
 import { svgOf } from "../base/svg_file";
 import { table } from "../base/tables";
-import { inWords } from "../contract/places";
 import type { EmbeddedSystem } from "../contract/types";
 import { ConvergencePlot } from "./convergence_plot";
 import { hostFacts, hostLegend } from "./host_legend";
 import { frameAt } from "./network_frames";
 import type { FileKind, NetworkSession, RelaxationRun } from "./network_session";
 import type { ColourBy, NetworkView, StretchRange, TriangleColourBy } from "./network_view";
-import { hasShrunk } from "./shrinking";
+import { notesOf, vertexWords } from "./relaxation_words";
 import { cssGradient, type Range, type Rgb, SPRING_RAMP } from "./spring_colours";
 import { RAMP } from "./surface_material";
 
@@ -96,7 +95,7 @@ export function relaxationCard(network: NetworkSession, view: NetworkView): HTML
     bill.hidden = !answer;
     showSlider(relaxing);
     if (answer) {
-      replace(bill, h("summary", {}, "Effects, bill and history"), effectTable(answer.effects), ...costTables(answer.cost), historyTable(answer));
+      replace(bill, h("summary", {}, "Effects, bill and history"), restWords(answer), effectTable(answer.effects), ...costTables(answer.cost), historyTable(answer));
       announce([TERMINATION_SENTENCES[answer.stopped], ...factsOf(relaxing, null, view.stretches.get()).map(([term, value]) => `${term}: ${value}`)].join(" "));
     }
     draw();
@@ -201,16 +200,10 @@ function factsOf({ answer, steps, network }: RelaxationRun, iteration: number | 
   return [...rows, ["Time", seconds(answer.cost.seconds)]];
 }
 
-function notesOf(answer: EmbeddedSystem): string[] {
-  const sentences = answer.warnings.map(inWords);
-  if (answer.springs.length > 0 && hasShrunk(answer.history.map(({ energy }) => energy))) {
-    return [...sentences,
-      "The network has shrunk: its springs have no length any more, because nothing held their ends apart. Fix some points, or give the springs a rest length."];
-  }
-  if (answer.mollified) sentences.push("The energy at the end is smoothed next to vertices (mollified).");
-  const atVertices = answer.at_vertices.length;
-  if (atVertices > 0) sentences.push(`${atVertices === 1 ? "1 point" : `${atVertices} points`} came to rest exactly at a vertex, where no direction descends.`);
-  return sentences;
+/** The sentence about points at rest on vertices, if there are some. */
+function restWords(answer: EmbeddedSystem): HTMLElement | false {
+  const words = vertexWords(answer);
+  return words !== "" && h("p", { class: "muted" }, words);
 }
 
 /** A table of evenly selected iterations and the last one. */
