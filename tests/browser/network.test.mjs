@@ -86,6 +86,7 @@ async function clickView(page, right, down) {
 describe("a network on a surface", () => {
   it("of random points is made, relaxed with its progress in sight, looked at iteration by iteration, and saved", async () => {
     const page = await sample();
+    const view = await page.locator(".viewer").boundingBox();
     await enter(page, "Least distance of two points", 0.35);
     await button(page, "Make the network").click();
     await until(() => button(page, "Make the network").isDisabled(), "the network");
@@ -94,6 +95,12 @@ describe("a network on a surface", () => {
     await button(page, "Relax").click();
     await page.locator(".relaxation:not(.voronoi) .stop", { hasText: /at rest|limit|equally short/ }).waitFor();
     await picture(page, "network-relaxed");
+    const place = () => page.locator(".viewer").evaluate((viewer) => [viewer.clientHeight, viewer.offsetTop]);
+    const relaxed = await place();
+    assert.equal(relaxed[0], view.height, "the card below the view does not change its height");
+    await page.getByRole("radio", { name: "Path", exact: true }).check();
+    assert.deepEqual(await place(), relaxed, "nor does another tool");
+    await page.getByRole("radio", { name: "Network", exact: true }).check();
     const iterations = Number((await fact(page, "Iteration")).split(" of ")[1]);
     assert.ok(iterations > 1, `${iterations} iterations`);
     assert.ok((await page.locator(".convergence .achieved").first().getAttribute("d")).length > 20);
