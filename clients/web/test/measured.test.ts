@@ -1,7 +1,8 @@
 import { describe, expect, it } from "vitest";
 import type { MeasuredCurve } from "../src/contract/types";
 import type { Client } from "../src/contract/client";
-import { askedPointers, asksForSense, drawnBehind, tableOf, Measured, type MeasuredData, measuredRequest, INITIAL_SETTINGS, notesOf, reductionSentence } from "../src/design/measured";
+import { askedPointers, asksForSense, drawnBehind, tableOf, Measured, type MeasuredData, measuredRequest, INITIAL_SETTINGS, notesOf,
+  reductionSentence } from "../src/design/measured";
 import { textOf } from "../src/base/text_file";
 import { DesignSession } from "../src/design/session";
 import { DEFAULT_STATE } from "../src/design/state";
