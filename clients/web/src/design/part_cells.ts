@@ -7,6 +7,8 @@ import type { Measures } from "./shown";
 const MIN_ACROSS = 6;
 /** The same between the grips of a coupon. */
 const MIN_ALONG = 12;
+/** Rounding of a number of cells. */
+const ROUNDING = 1e-9;
 
 export interface PartCells {
   readonly across: number;
@@ -25,7 +27,7 @@ export function cellsOf({ kind, width, length, beamWidth }: CellSettings, measur
   const cell = (measures.cellSize * beamWidth) / measures.beamWidth;
   const [across, along] = [width / cell, length / cell];
   const minAlong = kind === "coupon" ? MIN_ALONG : MIN_ACROSS;
-  if (across >= MIN_ACROSS && along >= minAlong) return { across, along, minAlong, better: null };
+  if (across >= MIN_ACROSS - ROUNDING && along >= minAlong - ROUNDING) return { across, along, minAlong, better: null };
   const enough = (size: number, cells: number): number => Math.max(size, Math.ceil(cells * cell));
   return { across, along, minAlong, better: { width: enough(width, MIN_ACROSS), length: enough(length, minAlong) } };
 }
@@ -33,8 +35,9 @@ export function cellsOf({ kind, width, length, beamWidth }: CellSettings, measur
 /** A sentence about a part with few cells; empty if it has enough. */
 export function cellWords({ across, along, minAlong, better }: PartCells): string {
   if (!better) return "";
-  const few = across < MIN_ACROSS ? `${count(across)} across` : `${count(along)} along`;
-  return `About ${few}: the edges count. ${across < MIN_ACROSS ? MIN_ACROSS : minAlong} or more are better.`;
+  const isNarrow = across < MIN_ACROSS - ROUNDING;
+  const few = isNarrow ? `${count(across)} across` : `${count(along)} along`;
+  return `About ${few}: the edges count. ${isNarrow ? MIN_ACROSS : minAlong} or more are better.`;
 }
 
 function count(cells: number): string {
