@@ -24,7 +24,8 @@ describe("the cells of a part", () => {
     expect(cells?.better).toEqual({ width: 60, length: 120 });
     expect(cells && cellWords(cells)).toBe("About 7 cells along: the edges count. 12 or more are better.");
     expect(cellsOf({ ...short, kind: "block" }, MEASURES)?.better).toBeNull();
-    expect(cellWords(cellsOf({ ...short, kind: "block", length: 20 }, MEASURES)!)).toBe("About 2 cells along: the edges count. 6 or more are better.");
+    const block = cellsOf({ ...short, kind: "block", length: 20 }, MEASURES);
+    expect(block && cellWords(block)).toBe("About 2 cells along: the edges count. 6 or more are better.");
   });
 
   it("are unknown for a drawing, and before a design has a size", () => {
