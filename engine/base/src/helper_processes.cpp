@@ -343,11 +343,8 @@ std::string HelperProcesses::run(std::string_view task, std::string_view request
     Error::Detail detail;
     detail.where = reader.text();
     detail.message = reader.text();
-    if (reader.number<bool>()) {
-      Error::Shortage& shortage = detail.shortage.emplace();
-      shortage.needed = reader.number<double>();
-      shortage.available = reader.number<double>();
-    }
+    // The numbers are read in this order, since those in braces are evaluated one after the other.
+    if (reader.number<bool>()) detail.shortage = Error::Shortage{reader.number<double>(), reader.number<double>()};
     return detail;
   });
   throw Error(code, message, std::move(details));
