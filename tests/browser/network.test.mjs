@@ -83,6 +83,12 @@ async function clickView(page, right, down) {
   await page.mouse.click(box.x + box.width / 2 + right, box.y + box.height / 2 + down);
 }
 
+/** A picture of the view. The page is scrolled to its top before, so that rows of pixels at the view's edges are the same in each. */
+async function seen(page) {
+  await page.evaluate(() => scrollTo(0, 0));
+  return page.locator(".viewer canvas").screenshot();
+}
+
 describe("a network on a surface", () => {
   it("of random points is made, relaxed with its progress in sight, looked at iteration by iteration, and saved", async () => {
     const page = await sample();
@@ -308,7 +314,7 @@ describe("a network on a surface", () => {
     for (let k = 0; k < 14; ++k) await page.keyboard.press("ArrowRight");
     await page.waitForTimeout(300);
     await picture(page, "host-made");
-    const before = await canvas.screenshot();
+    const before = await seen(page);
     await button(page, "Relax").click();
     await rested(page);
     assert.equal(await page.locator(".host-legend").isVisible(), true);
@@ -323,18 +329,18 @@ describe("a network on a surface", () => {
     assert.ok(Math.abs(sum - energy) < 0.002 * energy, `${sum} is ${energy}`);
     await page.waitForTimeout(300);
     await picture(page, "host-shell");
-    const after = await canvas.screenshot();
+    const after = await seen(page);
     assert.notDeepEqual(after, before, "the surface is drawn as it is now");
     await page.getByLabel("Colour of the surface").selectOption("none");
     await page.waitForTimeout(300);
-    const bent = await canvas.screenshot();
+    const bent = await seen(page);
     await enter(page, "Iteration that is seen", 0);
-    await until(async () => !(await canvas.screenshot()).equals(bent), "the start");
+    await until(async () => !(await seen(page)).equals(bent), "the start");
     await enter(page, "Iteration that is seen", 999);
-    await until(async () => (await canvas.screenshot()).equals(bent), "the end again");
+    await until(async () => (await seen(page)).equals(bent), "the end again");
     await page.getByLabel("Show the shape at rest").check();
     await page.waitForTimeout(300);
-    const [less, more] = [await covered(page, bent), await covered(page, await canvas.screenshot())];
+    const [less, more] = [await covered(page, bent), await covered(page, await seen(page))];
     assert.ok(more > 10000 && less < 0.95 * more, `the surface, which shrinks, covers ${less} pixels, and ${more} at rest`);
     await page.getByLabel("Colour of the surface").selectOption("stretch");
     await page.waitForTimeout(300);
@@ -362,7 +368,8 @@ describe("a network on a surface", () => {
   });
 
   it("follows supports that are dragged, moved by keys or written, and lets them back", async () => {
-    const page = await surface(torus(30, 14));
+    // In a view of this height the vertex that a click in its middle holds is so near to it that a drag from there takes it along.
+    const page = await surface(torus(30, 14), { viewport: { width: 1440, height: 720 } });
     const canvas = page.locator(".viewer canvas");
     await enter(page, "Least distance of two points", 0.7);
     await page.getByRole("radio", { name: "Shell", exact: true }).check();
@@ -375,7 +382,7 @@ describe("a network on a surface", () => {
     await button(page, "Relax").click();
     await rested(page);
     const before = page.relaxations.length;
-    const still = await canvas.screenshot();
+    const still = await seen(page);
     const box = await canvas.boundingBox();
     const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
     await page.mouse.move(x, y);
@@ -401,8 +408,8 @@ describe("a network on a surface", () => {
     await until(() => page.relaxations.at(-1).host.moved_vertices === undefined, "the request without moves");
     await page.mouse.move(box.x + 5, box.y + 5);
     await until(async () => Number(await fact(page, "Largest displacement")) < 0.3, "the host as it was");
-    const [seen, now] = [await covered(page, still), await covered(page, await canvas.screenshot())];
-    assert.ok(Math.abs(now - seen) < 0.05 * seen, `${now} pixels instead of ${seen}`);
+    const [atFirst, putBack] = [await covered(page, still), await covered(page, await seen(page))];
+    assert.ok(Math.abs(putBack - atFirst) < 0.05 * atFirst, `${putBack} pixels instead of ${atFirst}`);
     // Keys move the chosen support, too.
     await canvas.focus();
     await page.keyboard.press("Shift+ArrowUp");
