@@ -41,7 +41,8 @@ PolishRounds::Region& PolishRounds::region_named(const std::string& name) {
       std::find_if(regions_.begin(), regions_.end(), [&name](const Region& region) { return region.name == name; });
   // Regions without a name are told apart by the searches between them.
   if (known != regions_.end() && (!name.empty() || !searches_)) return name.empty() ? regions_.back() : *known;
-  return regions_.emplace_back(name, std::numeric_limits<double>::infinity());
+  regions_.push_back({name, std::numeric_limits<double>::infinity()});
+  return regions_.back();
 }
 
 std::string PolishRounds::add(const nlohmann::json& job) {
