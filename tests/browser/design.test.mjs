@@ -53,6 +53,35 @@ describe("stress over strain", () => {
       assert.ok(page.designs.asked.every((request) => request.session === page.designs.asked[0].session));
     }));
 
+  it("writes to the page only what a drag changes", () =>
+    withDesign(async (design, page) => {
+      const index = await design.movable();
+      const [x, y] = await design.centre(index);
+      const tiling = await design.tiling();
+      await page.mouse.move(x, y);
+      await page.mouse.down();
+      await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
+      await page.evaluate(() => {
+        const isSame = ({ type, target, attributeName, oldValue }) => type === "attributes" && target.getAttribute(attributeName) === oldValue;
+        const places = { all: "*", axes: ".plot .axis, .plot .axis *", others: ".handle:not(.selected)", sameInDrawings: ".plot, .plot *, .tiling, .tiling *" };
+        window.written = Object.fromEntries(Object.keys(places).map((place) => [place, 0]));
+        new MutationObserver((records) => {
+          for (const record of records) {
+            for (const [place, selector] of Object.entries(places)) if (record.target.matches?.(selector) && (place !== "sameInDrawings" || isSame(record))) ++window.written[place];
+          }
+        }).observe(document.body, { subtree: true, childList: true, characterData: true, attributes: true, attributeOldValue: true });
+      });
+      await page.mouse.move(x, y - 40);
+      await until(async () => (await design.tiling()) !== tiling, "a new tiling while dragging");
+      const written = await page.evaluate(() => window.written);
+      await page.mouse.up();
+      assert.equal(written.axes, 0, "the axes of the plot stay");
+      assert.equal(written.others, 0, "the other control points stay");
+      assert.equal(written.sameInDrawings, 0, "nothing in plot and tiling is written that is there already");
+      // On a slow machine the cards are redrawn before the tiling; with that there were about 100. It is more than 600 if each card is redrawn after each change.
+      assert.ok(written.all > 5 && written.all < 250, `${written.all} changes of the page`);
+    }));
+
   it("starts each search of a drag from the design before, in its family", () =>
     withDesign(async (design, page) => {
       const first = page.designs.asked.length;

@@ -78,6 +78,19 @@ describe("the link of a state", () => {
     expect(written).toEqual(["x=3", "x=4"]);
   });
 
+  it("is not written during a drag, but with the step that ends it", () => {
+    const { edited, written } = linked(() => true);
+    vi.advanceTimersByTime(1000);
+    written.length = 0;
+    edited.beginChange();
+    edited.change({ x: 5 });
+    vi.advanceTimersByTime(1000);
+    expect(written).toEqual([]);
+    edited.endChange();
+    edited.push();
+    expect(written).toEqual(["x=5"]);
+  });
+
   it("is followed if it has another state; otherwise the address shows the present one again", () => {
     const { link, written } = linked(() => false);
     expect(link.follow("x=5")).toEqual({ x: 5, name: "" });

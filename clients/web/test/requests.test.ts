@@ -77,6 +77,8 @@ describe("the structure's file", () => {
     expect(straight).toHaveLength(7 * 5 - 1);
     expect(straight).toContainEqual([15, -20]);
     expect(straight).not.toContainEqual([0, 0]);
+    // A patch with an extent of 2.6 and 4.9 from its centre does not reach the square from 15 to its right, nor from 20 below its centre.
+    expect(copiesOf([5, 0, 0, -10], 20, [2.6, 4.9])).toHaveLength(5 * 3 - 1);
     for (const [a, b] of [[[5, 5], [5, -5]], [[6, 1], [2, 7]]]) {
       const places = [[0, 0], ...copiesOf([...a, ...b], 20)];
       // Each point of the square is at most half a diagonal away from the centre of a patch.

@@ -3,7 +3,7 @@ import { announce } from "./announce";
 import { type AccuracyChoice, rememberLevel } from "./accuracy_choice";
 import { type Capability, estimate, levelRow, type LevelMeasures, LEVELS } from "./accuracy_levels";
 import { errorWords, estimateSentence, secondsWords } from "./accuracy_words";
-import { h, uniqueId } from "./dom";
+import { h, uniqueId, writeText } from "./dom";
 
 type Choice = AccuracyChoice["level"];
 
@@ -60,9 +60,9 @@ export class AccuracyDial {
     if (parts.length === 0) return;
     for (const [level, detail] of this.details) {
       const known = estimate(parts[0], level, measures.of(parts[0]));
-      detail.textContent = [secondsWords(known), errorWords(known.error)].filter((words) => words).join(", ");
+      writeText(detail, [secondsWords(known), errorWords(known.error)].filter((words) => words).join(", "));
     }
-    this.words.textContent = parts.map((part) => this.sentence(part)).join(" ");
+    writeText(this.words, parts.map((part) => this.sentence(part)).join(" "));
     this.words.title = levelRow(parts[0], this.level)?.task ?? "";
   }
 

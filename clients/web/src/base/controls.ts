@@ -38,7 +38,8 @@ export class Select<Value extends string> {
   }
 
   setChoices(choices: readonly Choice<Value>[]): void {
-    const { value } = this.list;
+    const { options, value } = this.list;
+    if (choices.length === options.length && choices.every((choice, k) => choice.value === options[k].value && choice.words === options[k].text)) return;
     this.list.replaceChildren(...choices.map((choice) => h("option", { value: choice.value }, choice.words)));
     this.list.value = value;
   }
@@ -121,7 +122,8 @@ export class Slider {
     this.range.value = String(value);
     this.showNumber();
     const fraction = (value - this.lower) / (this.upper - this.lower);
-    this.range.style.setProperty("--share", `${100 * Math.max(0, Math.min(1, fraction))}%`);
+    const share = `${100 * Math.max(0, Math.min(1, fraction))}%`;
+    if (this.range.style.getPropertyValue("--share") !== share) this.range.style.setProperty("--share", share);
   }
 
   /** Changes the limits. The caller sets the value afterwards. */

@@ -46,6 +46,24 @@ export function replace(element: Element, ...children: Child[]): void {
   append(element, children);
 }
 
+/** Sets an attribute unless it has this value already: browsers style and arrange an element anew after each writing, also of the same value. */
+export function writeAttribute(element: Element, name: string, value: string): void {
+  if (element.getAttribute(name) !== value) element.setAttribute(name, value);
+}
+
+/** Sets the text of an element unless it has this text already. */
+export function writeText(element: Element, text: string): void {
+  if (element.textContent !== text) element.textContent = text;
+}
+
+/** Replaces the children of an element unless they are equal to those that it has. Equal children stay with their listeners, so that they must have none that depend on what is shown. */
+export function replaceChanged(element: Element, ...children: Child[]): void {
+  const next = document.createElement("div");
+  append(next, children);
+  const isSame = next.childNodes.length === element.childNodes.length && [...next.childNodes].every((child, k) => child.isEqualNode(element.childNodes[k]));
+  if (!isSame) element.replaceChildren(...next.childNodes);
+}
+
 let idCount = 0;
 /** An id that is unique in the page. */
 export function uniqueId(prefix: string): string {

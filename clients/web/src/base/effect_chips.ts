@@ -1,7 +1,7 @@
 // Effects as chips with what they found. A chip whose effect can be switched is a button: where needed, always, never.
 import type { EffectSwitch } from "../contract/types";
 import { announce } from "./announce";
-import { h } from "./dom";
+import { h, replaceChanged, writeAttribute } from "./dom";
 import { type Chip, nextSetting, SETTING_WORDS } from "./effect_words";
 
 interface ChipElement {
@@ -46,11 +46,11 @@ export class EffectChips {
   }
 
   private draw({ face, chip: { name, words, tone, why, setting } }: ChipElement): void {
-    face.className = `effect-chip ${tone}`;
+    writeAttribute(face, "class", `effect-chip ${tone}`);
     const told = setting === null || setting === "automatic" ? "" : `, ${SETTING_WORDS[setting]}`;
-    face.replaceChildren(h("span", { class: "effect-name" }, `${name}: `), h("span", {}, words), h("span", { class: "effect-setting" }, told));
+    replaceChanged(face, h("span", { class: "effect-name" }, `${name}: `), h("span", {}, words), h("span", { class: "effect-setting" }, told));
     const press = setting === null ? "" : `It runs ${SETTING_WORDS[setting]}; a press makes it run ${SETTING_WORDS[nextSetting(setting)]}.`;
-    face.title = [why, press].filter((part) => part).join(" ");
+    writeAttribute(face, "title", [why, press].filter((part) => part).join(" "));
   }
 
   private press(effect: string): void {

@@ -13,12 +13,13 @@ export interface StateText<State> {
 
 /** Writes the state into the address: after a pause in the changes, and at once when a change is complete, so that a reload does not revert it. */
 export class StateLink<State extends object> {
-  private readonly later = debounce(() => this.write(), PAUSE_MS);
+  /** A change with intermediate states, such as a drag, ends with a step, which writes the link: writing one takes longer than a redraw may. */
+  private readonly later = debounce(() => !this.edited.isBeingChanged && this.write(), PAUSE_MS);
 
   /** `isReady`: whether the state is one to share. It is not before the page has started. */
   constructor(
     private readonly link: { write(text: string): void },
-    private readonly edited: Pick<EditedState<State>, "state" | "steps">,
+    private readonly edited: Pick<EditedState<State>, "state" | "steps" | "isBeingChanged">,
     private readonly text: StateText<State>,
     isReady: () => boolean,
   ) {

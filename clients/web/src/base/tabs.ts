@@ -1,7 +1,7 @@
 // Tabs that can be added, renamed and removed. The panel of one of them is visible.
 import { announce } from "./announce";
 import { button } from "./controls";
-import { h, replace, uniqueId } from "./dom";
+import { h, replace, uniqueId, writeAttribute, writeText } from "./dom";
 
 export interface Tab {
   readonly words: string;
@@ -69,6 +69,7 @@ export class Tabs {
 
   /** `canAdd`: whether the number of tabs is below its limit. */
   show(tabs: readonly Tab[], at: number, canAdd: boolean): void {
+    const isSame = at === this.at && tabs.length === this.buttons.length && tabs.every(({ words, detail }, k) => words === this.tabs[k].words && detail === this.tabs[k].detail);
     [this.tabs, this.at] = [tabs, at];
     if (this.buttons.length !== tabs.length) {
       const focused = this.list.contains(document.activeElement);
@@ -77,13 +78,14 @@ export class Tabs {
       if (focused) this.buttons[at]?.focus();
     }
     this.buttons.forEach((element, k) => {
-      element.children[0].textContent = tabs[k].words;
-      element.children[1].textContent = tabs[k].detail;
-      element.setAttribute("aria-selected", String(k === at));
-      element.tabIndex = k === at ? 0 : -1;
+      writeText(element.children[0], tabs[k].words);
+      writeText(element.children[1], tabs[k].detail);
+      writeAttribute(element, "aria-selected", String(k === at));
+      writeAttribute(element, "tabindex", k === at ? "0" : "-1");
     });
-    this.options.panel.setAttribute("aria-labelledby", this.buttons[at]?.id ?? "");
-    this.scrollToSelected();
+    writeAttribute(this.options.panel, "aria-labelledby", this.buttons[at]?.id ?? "");
+    // Reading where the tabs are makes the browser arrange the page at once, also what has changed elsewhere.
+    if (!isSame) this.scrollToSelected();
     this.removeButton.hidden = tabs.length < 2;
     this.renameButton.hidden = tabs.length < 2 || !this.naming.hidden;
     this.addButton.disabled = !canAdd;

@@ -65,6 +65,15 @@ export class CartesianPlot extends ProfilePlot {
     this.element.append(this.backdrop, this.handles.group);
   }
 
+  protected scaleToSize(): void {
+    this.x.range([MARGIN.left, this.width - MARGIN.right]);
+    this.y.range([this.height - MARGIN.bottom, MARGIN.top]);
+  }
+
+  protected axesKey({ task, strainWord }: PlotView): string {
+    return [task, strainWord, this.width, this.height, ...this.x.domain(), ...this.y.domain()].join(" ");
+  }
+
   protected layOut(): void {
     const { width, height } = this;
     for (const box of [this.clipBox, this.plane]) {
@@ -73,8 +82,6 @@ export class CartesianPlot extends ProfilePlot {
       box.setAttribute("width", String(Math.max(0, width - MARGIN.left - MARGIN.right)));
       box.setAttribute("height", String(Math.max(0, height - MARGIN.top - MARGIN.bottom)));
     }
-    this.x.range([MARGIN.left, width - MARGIN.right]);
-    this.y.range([height - MARGIN.bottom, MARGIN.top]);
   }
 
   protected fitDomains(view: PlotView, curves: readonly Curve[]): void {

@@ -42,7 +42,8 @@ export function exportMenu(session: DesignSession, verification: Verification, c
     menu.open = false;
   }
 
-  session.results.shown.watch((shown) => {
+  session.redraws.follow([session.results.shown], () => {
+    const shown = session.results.shown.get();
     if (!shown) return replace(links);
     const link = (format: "svg" | "dxf" | "stl", words: string) =>
       h("a", {

@@ -1,5 +1,5 @@
 // The handles of a plot's control points, which pointer and keys move.
-import { svg } from "../base/dom";
+import { svg, writeAttribute } from "../base/dom";
 import { keyStep, type PlotView, type PlotActions } from "./plot";
 import type { ControlPoint } from "./state";
 
@@ -58,8 +58,8 @@ export class Handles {
     while (this.echoes.children.length < mirrored.length) this.echoes.append(this.makeEcho());
     mirrored.forEach(({ pixels, k }, n) => {
       const echo = this.echoes.children[n];
-      echo.setAttribute("transform", `translate(${pixels[0]},${pixels[1]})`);
-      echo.setAttribute("data-index", String(k));
+      writeAttribute(echo, "transform", `translate(${pixels[0]},${pixels[1]})`);
+      writeAttribute(echo, "data-index", String(k));
     });
   }
 
@@ -69,12 +69,12 @@ export class Handles {
 
   private place(handle: Element, point: ControlPoint, index: number): void {
     const [x, y] = this.plane.toPixels(point);
-    handle.setAttribute("transform", `translate(${x},${y})`);
+    writeAttribute(handle, "transform", `translate(${x},${y})`);
     const [min, max] = this.plane.heights();
-    handle.setAttribute("aria-valuemin", Math.min(min, point[1]).toFixed(6));
-    handle.setAttribute("aria-valuemax", Math.max(max, point[1]).toFixed(6));
-    handle.setAttribute("aria-valuenow", point[1].toFixed(6));
-    handle.setAttribute("aria-valuetext", this.plane.describe(point));
+    writeAttribute(handle, "aria-valuemin", Math.min(min, point[1]).toFixed(6));
+    writeAttribute(handle, "aria-valuemax", Math.max(max, point[1]).toFixed(6));
+    writeAttribute(handle, "aria-valuenow", point[1].toFixed(6));
+    writeAttribute(handle, "aria-valuetext", this.plane.describe(point));
     handle.classList.toggle("selected", this.view?.selected === index);
     handle.classList.toggle("held", this.plane.isFixed(point));
     handle.classList.toggle("faulty", this.view?.faulty.includes(index) ?? false);

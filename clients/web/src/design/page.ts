@@ -120,12 +120,10 @@ export function designPage({ client, link }: PageContext): Page {
 
 /** Results of an earlier state are dimmed together until the answer to the present state has arrived. */
 function dimOutdated(session: DesignSession, element: HTMLElement, pin: HTMLButtonElement): void {
-  for (const part of [session.results.shown, session.state]) {
-    part.watch(() => {
-      element.classList.toggle("outdated", session.results.shown.get() !== null && !session.results.isCurrent);
-      pin.disabled = !session.results.isCurrent;
-    });
-  }
+  session.redraws.follow([session.results.shown, session.state], () => {
+    element.classList.toggle("outdated", session.results.shown.get() !== null && !session.results.isCurrent);
+    pin.disabled = !session.results.isCurrent;
+  });
 }
 
 /** Goes on with the job for all regions if there is one. The link alone asks for the selected region. */

@@ -1,6 +1,6 @@
 // The parameters of the shown design: sliders that update its profile at once, and locks that fix parameters in searches.
 import { button, Slider } from "../base/controls";
-import { h, replace } from "../base/dom";
+import { h, replace, replaceChanged, writeAttribute, writeText } from "../base/dom";
 import { icon } from "../base/icons";
 import { parameterWords } from "./parameter_words";
 import type { DesignSession } from "./session";
@@ -52,16 +52,17 @@ export function parameterPanel(session: DesignSession): HTMLElement {
     session.apply({ fixed: next, family: wanted === ANY && next.some(Boolean) ? found.family : wanted });
   }
 
-  session.state.watch((state) => {
+  session.redraws.follow([session.state], () => {
+    const state = session.state.get();
     if ((state.found?.family ?? "") !== family || rows.length !== (state.found?.parameters.length ?? 0)) build(state);
-    title.textContent = state.found ? `Parameters of ${state.found.family}` : "Parameters";
+    writeText(title, state.found ? `Parameters of ${state.found.family}` : "Parameters");
     rows.forEach((row, k) => {
       const isFixed = Boolean(state.fixed[k]);
       row.slider.value = state.found?.parameters[k] ?? 0;
-      row.lock.setAttribute("aria-pressed", String(isFixed));
-      row.lock.setAttribute("aria-label", `Keep “${parameterWords(family, k).name}” in searches`);
-      row.lock.title = isFixed ? "Kept in searches" : "Searched for";
-      row.lock.replaceChildren(icon(isFixed ? "lock" : "unlock"));
+      writeAttribute(row.lock, "aria-pressed", String(isFixed));
+      writeAttribute(row.lock, "aria-label", `Keep “${parameterWords(family, k).name}” in searches`);
+      writeAttribute(row.lock, "title", isFixed ? "Kept in searches" : "Searched for");
+      replaceChanged(row.lock, icon(isFixed ? "lock" : "unlock"));
     });
     note.hidden = !state.byHand;
   });

@@ -1,6 +1,6 @@
 // The card for a part to print or cut, made of the shown design: settings, picture, measures and files.
 import { button, Checkbox, Segments } from "../base/controls";
-import { h } from "../base/dom";
+import { h, writeText } from "../base/dom";
 import { download } from "../base/download";
 import { debounce } from "../base/debounce";
 import { explain } from "../contract/client";
@@ -75,8 +75,8 @@ function cellHint(session: DesignSession, part: Part, change: (values: Partial<P
     const known = cells();
     element.hidden = !known?.better;
     if (!known?.better) return;
-    words.textContent = cellWords(known);
-    enlarge.textContent = `Make it ${known.better.width} × ${known.better.length} mm`;
+    writeText(words, cellWords(known));
+    writeText(enlarge, `Make it ${known.better.width} × ${known.better.length} mm`);
   };
   return { element, show };
 }

@@ -1,7 +1,7 @@
 // The plot with its toolbar, its legend and the state of the search.
 import { announce } from "../base/announce";
 import { button } from "../base/controls";
-import { h, replace, svg, uniqueId } from "../base/dom";
+import { h, replace, replaceChanged, svg, uniqueId } from "../base/dom";
 import { degrees, digits, percent } from "../base/format";
 import { Observable } from "../base/observable";
 import { ProgressRow } from "../base/progress_row";
@@ -233,7 +233,7 @@ export class PlotPanel {
   private showLegend(view: PlotView): void {
     const entry = (shown: boolean, key: string, words: string, mark = "M0 5H22", title = "") =>
       shown && h("li", { title: title || null }, svg("svg", { viewBox: "0 0 22 10", class: `key ${key}`, "aria-hidden": "true" }, svg("path", { d: mark })), words);
-    replace(
+    replaceChanged(
       this.legend,
       entry(true, "target", "Target"),
       entry(view.measured.length > 0, "measured", "Measured", "M3 5h0M8 3h0M13 7h0M18 4h0"),
@@ -253,7 +253,7 @@ export class PlotPanel {
   private showReading(view: PlotView): void {
     const x = view.hovered;
     if (x === null) {
-      return replace(this.reading, this.dragging.get() ? ""
+      return replaceChanged(this.reading, this.dragging.get() ? ""
         : touchWords("Point at the plot to read its values; pinch, or turn the wheel with Ctrl, to zoom.", "Touch the plot to read its values, and pinch it to zoom."));
     }
     const polar = isPolar(view.task);
@@ -268,7 +268,7 @@ export class PlotPanel {
     }
     if (view.verified) parts.push(`simulated ${value(at(view.verified))}`);
     for (const pin of view.pins) parts.push(`${pin.name.split(",")[0]} ${value(at(pin))}`);
-    replace(this.reading, `${y} at ${polar ? degrees(x) : `a strain of ${digits(x)}`}: ${parts.join(", ")}.`);
+    replaceChanged(this.reading, `${y} at ${polar ? degrees(x) : `a strain of ${digits(x)}`}: ${parts.join(", ")}.`);
   }
 
   private showActivity(activity: SearchActivity): void {

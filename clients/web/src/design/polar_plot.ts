@@ -63,10 +63,17 @@ export class PolarPlot extends ProfilePlot {
     this.element.append(this.backdrop, this.handles.group);
   }
 
+  protected scaleToSize(): void {
+    this.radius.range([0, Math.max(20, Math.min(this.width, this.height) / 2 - MARGIN)]);
+  }
+
+  protected axesKey({ task }: PlotView): string {
+    return [task, this.width, this.height, ...this.radius.domain()].join(" ");
+  }
+
   protected layOut(): void {
     this.centre.setAttribute("transform", `translate(${this.width / 2},${this.height / 2})`);
-    const rim = Math.max(20, Math.min(this.width, this.height) / 2 - MARGIN);
-    this.radius.range([0, rim]);
+    const rim = this.radius.range()[1];
     for (const circle of [this.disc, this.clipCircle]) circle.setAttribute("r", String(rim));
   }
 

@@ -1,6 +1,6 @@
 // The base class of both plots of a profile: size, layers, and the elements of each layer.
 import { type Curve, pieces } from "../base/curve";
-import { svg } from "../base/dom";
+import { replaceChanged, svg, writeAttribute } from "../base/dom";
 import { type Handles, pixelsOf } from "./handles";
 import type { PlotView, PlotActions } from "./plot";
 import type { Band } from "./shown";
@@ -24,6 +24,7 @@ export abstract class ProfilePlot {
   /** The visible sections of the horizontal axis, and of the vertical or radial one. */
   protected across: AxisZoom = WHOLE;
   protected up: AxisZoom = WHOLE;
+  private drawnAxes = "";
   private readonly envelope = svg("path", { class: "envelope", "fill-rule": "evenodd" });
   private readonly envelopeRim = svg("path", { class: "envelope-rim" });
   private readonly uncertainty = svg("path", { class: "doubt", "fill-rule": "evenodd" });
@@ -41,7 +42,8 @@ export abstract class ProfilePlot {
     this.element = svg("svg", { class: `plot ${kind}`, role: "group", "aria-label": label });
     this.backdrop.addEventListener("dblclick", (event) => this.actions.add(this.pointAt(pixelsOf(this.element, event))));
     this.backdrop.addEventListener("pointerdown", () => this.actions.select(null));
-    this.element.addEventListener("pointermove", (event) => this.actions.hover(this.pointAt(pixelsOf(this.element, event))[0]));
+    // Captured, so that the place of the plot is read before a dragged control point changes the page: later the browser would have to arrange it at once.
+    this.element.addEventListener("pointermove", (event) => this.actions.hover(this.pointAt(pixelsOf(this.element, event))[0]), { capture: true });
     this.element.addEventListener("pointerleave", () => this.actions.hover(null));
     listenForZoom(this.element, {
       zoom: (by, at, moved) => {
@@ -82,36 +84,43 @@ export abstract class ProfilePlot {
   }
 
   update(view: PlotView): void {
-    this.element.setAttribute("viewBox", `0 0 ${this.width} ${this.height}`);
-    this.element.setAttribute("width", String(this.width));
-    this.element.setAttribute("height", String(this.height));
-    this.layOut();
+    writeAttribute(this.element, "viewBox", `0 0 ${this.width} ${this.height}`);
+    writeAttribute(this.element, "width", String(this.width));
+    writeAttribute(this.element, "height", String(this.height));
+    this.scaleToSize();
     this.element.classList.toggle("zoomed", this.isZoomed);
     if (!view.dragging || this.view?.task !== view.task) {
       this.fitDomains(view, [view.achieved, view.previous, view.verified, ...view.pins].filter((curve): curve is Curve => curve !== null));
     }
     this.view = view;
-    this.drawAxes(view);
+    const axes = this.axesKey(view);
+    if (axes !== this.drawnAxes) {
+      this.drawnAxes = axes;
+      this.layOut();
+      this.drawAxes(view);
+    }
     const reach = view.envelope && this.bandPath(view.envelope);
-    this.envelope.setAttribute("d", reach?.area ?? "");
-    this.envelopeRim.setAttribute("d", reach?.rim ?? "");
-    this.uncertainty.setAttribute("d", view.uncertainty ? this.bandPath(view.uncertainty).area : "");
-    this.measured.setAttribute("d", view.measured.flatMap((point) => this.places(point)).map(([x, y]) => `M${x},${y}h0`).join(""));
-    this.target.setAttribute("d", this.targetPath(view));
+    this.element.classList.toggle("with-envelope", reach !== null);
+    writeAttribute(this.envelope, "d", reach?.area ?? "");
+    writeAttribute(this.envelopeRim, "d", reach?.rim ?? "");
+    writeAttribute(this.uncertainty, "d", view.uncertainty ? this.bandPath(view.uncertainty).area : "");
+    writeAttribute(this.measured, "d", view.measured.flatMap((point) => this.places(point)).map(([x, y]) => `M${x},${y}h0`).join(""));
+    writeAttribute(this.target, "d", this.targetPath(view));
     this.draw(this.previous, view.previous);
     this.draw(this.achieved, view.achieved);
     this.achieved.classList.toggle("provisional", view.provisional);
-    this.pins.replaceChildren(
+    replaceChanged(
+      this.pins,
       ...view.pins.map((pin) => {
         const path = svg("path", { class: `curve pin pin-${pin.id % 6}` }, svg("title", {}, pin.name));
         this.draw(path, pin);
         return path;
       }),
     );
-    this.rounds.replaceChildren(...view.rounds.map((round) => svg("path", { class: `curve round ${round.isBest ? "best" : ""}`.trim(), d: this.curvePath(round) })));
+    replaceChanged(this.rounds, ...view.rounds.map((round) => svg("path", { class: `curve round ${round.isBest ? "best" : ""}`.trim(), d: this.curvePath(round) })));
     this.drawMarks(this.verified, view.verified ? pieces(view.verified).flat() : [], DIAMOND);
     this.drawMarks(this.missed, view.missed, CROSS);
-    this.guide.setAttribute("d", view.hovered === null ? "" : this.guidePath(view.hovered));
+    writeAttribute(this.guide, "d", view.hovered === null ? "" : this.guidePath(view.hovered));
     this.handles.update(view);
   }
 
@@ -124,8 +133,12 @@ export abstract class ProfilePlot {
     return [this.guide, this.uncertainty, this.pins, this.rounds, this.previous, this.target, this.missed, this.achieved, this.verified];
   }
 
-  /** Arranges the plot for its present size. */
+  /** Makes the scales fit the plot's present size. */
+  protected abstract scaleToSize(): void;
+  /** Arranges the plot's frame for its present size. */
   protected abstract layOut(): void;
+  /** What axes and frame depend on, as a text. They are drawn again only where it changes. */
+  protected abstract axesKey(view: PlotView): string;
   /** Chooses the domains of the axes so that control points and curves fit. */
   protected abstract fitDomains(view: PlotView, curves: readonly Curve[]): void;
   /** Changes the visible section; `at` and `moved` in pixels. */
@@ -142,11 +155,12 @@ export abstract class ProfilePlot {
   protected abstract places(point: ControlPoint): readonly Pixels[];
 
   private draw(path: SVGPathElement, curve: Curve | null): void {
-    path.setAttribute("d", curve ? this.curvePath(curve) : "");
+    writeAttribute(path, "d", curve ? this.curvePath(curve) : "");
   }
 
   private drawMarks(group: SVGGElement, points: readonly ControlPoint[], mark: string): void {
-    group.replaceChildren(
+    replaceChanged(
+      group,
       ...points.flatMap((point) => this.places(point)).map(([x, y]) => svg("path", { d: mark, transform: `translate(${x},${y})` })),
     );
   }

@@ -27,7 +27,7 @@ export function regionCard(session: DesignSession, verification: Verification): 
     }));
   }
 
-  for (const part of [session.state, session.results.all, session.results.regionCache, verification.simulations.list]) part.watch(show);
+  session.redraws.follow([session.state, session.results.all, session.results.regionCache, verification.simulations.list], show);
   session.search.activity.watch((activity) => (search.disabled = activity.kind === "busy"));
   return element;
 }

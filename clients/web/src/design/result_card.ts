@@ -67,7 +67,7 @@ export function resultCard(session: DesignSession, overlays: Overlays, verificat
       ...(fresh === "current" && !shown.provisional && !shown.byHand && judgement.grade !== "reached" ? [advice(session, shown, nothingElseHelps())] : []));
   }
 
-  for (const part of [session.results.shown, session.state, session.search.activity, verification.simulations.list, waysOut.state, background.isOn]) part.watch(show);
+  session.redraws.follow([session.results.shown, session.state, session.search.activity, verification.simulations.list, waysOut.state, background.isOn], show);
   return element;
 }
 
@@ -81,7 +81,7 @@ function effects(session: DesignSession): HTMLElement {
     const known = chipsOf(shown?.effects ?? [], settings);
     chips.show(shown && session.results.isCurrent && !shown.provisional ? known : outdated(known));
   }
-  for (const part of [session.results.shown, session.state]) part.watch(show);
+  session.redraws.follow([session.results.shown, session.state], show);
   return chips.element;
 }
 

@@ -2,6 +2,7 @@
 import type { Curve } from "../base/curve";
 import { rememberedLevel, withSwitch } from "../base/accuracy_choice";
 import { EditedState } from "../base/edited_state";
+import { Redraws } from "../base/redraws";
 import type { Client } from "../contract/client";
 import type { DesignCandidate, EffectSwitch } from "../contract/types";
 import { Catalogue } from "./catalogue";
@@ -22,6 +23,8 @@ export class DesignSession {
   readonly state = this.edited.state;
   readonly steps = this.edited.steps;
   readonly results = new Results(this.state);
+  /** Redraws of what shows this session and is not under the pointer. */
+  readonly redraws = new Redraws(() => this.edited.isBeingChanged);
   readonly search: Search;
   readonly targetEdits = new TargetEdits(this);
   readonly regionEdits = new RegionEdits(this);

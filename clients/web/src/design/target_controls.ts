@@ -1,4 +1,5 @@
 // The controls of the target and the search: task, direction or strain, strain measure, interpolation, family, weight.
+import type { AccuracyChoice } from "../base/accuracy_choice";
 import { AccuracyDial } from "../base/accuracy_dial";
 import { Segments, Select, Slider } from "../base/controls";
 import { h } from "../base/dom";
@@ -84,7 +85,11 @@ function dial(session: DesignSession): HTMLElement {
     measures: session.search.measures,
     choose: (level) => session.apply({ accuracy: { ...session.state.get().accuracy, level } }),
   });
-  session.state.watch(({ accuracy }) => (element.value = accuracy.level));
+  let shown: AccuracyChoice["level"] | undefined;
+  session.state.watch(({ accuracy }) => {
+    if (accuracy.level !== shown) element.value = accuracy.level;
+    shown = accuracy.level;
+  });
   return element.element;
 }
 

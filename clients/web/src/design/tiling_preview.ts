@@ -1,5 +1,5 @@
 // A drawing of the shown design's structure, from the server's file.
-import { h, replace, svg, uniqueId } from "../base/dom";
+import { h, replaceChanged, svg, uniqueId, writeAttribute, writeText } from "../base/dom";
 import { digits, percent } from "../base/format";
 import type { Client } from "../contract/client";
 import { JobRunner } from "../contract/runner";
@@ -29,15 +29,22 @@ export function windowSize(family: Family): number {
   return Math.max(14, Math.min(48, 2.4 * longest));
 }
 
-/** Offsets of the copies of a patch that cover, with it, a square around its centre. The arguments are the patch's translations a and b, and the side of the square. */
-export function copiesOf([ax, ay, bx, by]: readonly number[], side: number): [number, number][] {
+/**
+ * Offsets of the copies of a patch that cover, with it, a square around its centre. The arguments are the patch's translations a and b, the
+ * side of the square, and half the width and the height of the patch, beyond which it has nothing.
+ */
+export function copiesOf([ax, ay, bx, by]: readonly number[], side: number, [halfWidth, halfHeight]: readonly number[] = [Infinity, Infinity]): [number, number][] {
   const area = Math.abs(ax * by - ay * bx);
   // Half extent of the square across the other translation, over the width of the patch there. A quarter is added because a patch consists of whole tiles.
   const count = (x: number, y: number) => Math.min(MAX_COPIES, Math.ceil((side * (Math.abs(x) + Math.abs(y))) / (2 * area) + 0.25));
   const [alongA, alongB] = [count(bx, by), count(ax, ay)];
   const places: [number, number][] = [];
   for (let i = -alongA; i <= alongA; ++i) {
-    for (let j = -alongB; j <= alongB; ++j) if (i !== 0 || j !== 0) places.push([i * ax + j * bx, i * ay + j * by]);
+    for (let j = -alongB; j <= alongB; ++j) {
+      const [x, y] = [i * ax + j * bx, i * ay + j * by];
+      // Copies of an oblique patch may lie beside the square. The browser would make each of them anew after every change.
+      if ((i !== 0 || j !== 0) && Math.abs(x) < side / 2 + halfWidth && Math.abs(y) < side / 2 + halfHeight) places.push([x, y]);
+    }
   }
   return places;
 }
@@ -46,6 +53,12 @@ export function copiesOf([ax, ay, bx, by]: readonly number[], side: number): [nu
 function translationsOf(file: Document): number[] | null {
   const numbers = file.documentElement.getAttribute("data-translations")?.split(" ").map(Number) ?? [];
   return numbers.length === 4 && numbers.every(Number.isFinite) ? numbers : null;
+}
+
+/** Half the width and the height of the patch, from the server's file, whose window is centred. Infinite if the file does not tell them. */
+function halfSizeOf(file: Document): number[] {
+  const window = file.documentElement.getAttribute("viewBox")?.split(" ").map(Number) ?? [];
+  return window.length === 4 && window.every(Number.isFinite) ? [window[2] / 2, window[3] / 2] : [Infinity, Infinity];
 }
 
 /** The nearest round length: 1, 2 or 5 times a power of ten. */
@@ -73,12 +86,12 @@ class TilingDrawing {
   /** Draws a patch from the server's file. `turned`: whether the tiling is rotated, so that the corners of the window need more copies. */
   draw(text: string, side: number, turned: boolean): void {
     const file = new DOMParser().parseFromString(text, "image/svg+xml");
-    this.shape.setAttribute("d", file.querySelector("path")?.getAttribute("d") ?? "");
+    writeAttribute(this.shape, "d", file.querySelector("path")?.getAttribute("d") ?? "");
     const translations = translationsOf(file)?.map((length) => PATCH_CELLS * length);
     // The window is a rotated square relative to the tiling.
-    const places = translations ? copiesOf(translations, side * (turned ? Math.SQRT2 : 1)) : [];
-    replace(this.copies, ...places.map(([x, y]) => svg("use", { href: `#${this.shape.id}`, x, y })));
-    this.element.setAttribute("viewBox", `${-side / 2} ${-side / 2} ${side} ${side}`);
+    const places = translations ? copiesOf(translations, side * (turned ? Math.SQRT2 : 1), halfSizeOf(file)) : [];
+    replaceChanged(this.copies, ...places.map(([x, y]) => svg("use", { href: `#${this.shape.id}`, x, y })));
+    writeAttribute(this.element, "viewBox", `${-side / 2} ${-side / 2} ${side} ${side}`);
     this.side = side;
     this.load(this.loadAxis);
   }
@@ -87,17 +100,17 @@ class TilingDrawing {
   load(axis: number | null): void {
     this.loadAxis = axis;
     const path = axis === null || this.side === 0 ? "" : axisArrow([0, 0], axis, ARROW_LENGTH * this.side);
-    for (const one of [this.loadHalo, this.loadArrow]) one.setAttribute("d", path);
+    for (const one of [this.loadHalo, this.loadArrow]) writeAttribute(one, "d", path);
   }
 
   /** Names the picture for screen readers. */
   name(words: string): void {
-    this.element.setAttribute("aria-label", words);
+    writeAttribute(this.element, "aria-label", words);
   }
 
   /** Rotates the tiling counterclockwise; the picture's y axis points down. */
   turn(angle: number): void {
-    this.rotated.setAttribute("transform", `rotate(${(-angle * 180) / Math.PI})`);
+    writeAttribute(this.rotated, "transform", `rotate(${(-angle * 180) / Math.PI})`);
   }
 
   /** Draws the scale bar. All structures are drawn with the same beam width; the bar shows the true scale for beams of `width` mm. */
@@ -109,12 +122,12 @@ class TilingDrawing {
     const length = words / scale;
     // The frame is lower than wide and crops the square.
     const at = { x: side / 2 - length - side * 0.05, y: (HEIGHT_RATIO * side) / 2 - side * 0.05 };
-    this.scaleBar.setAttribute("d", `M${at.x} ${at.y}h${length}`);
-    this.scaleBar.setAttribute("stroke-width", String(side / 120));
-    this.scaleWords.setAttribute("x", String(at.x));
-    this.scaleWords.setAttribute("y", String(at.y - side * 0.02));
-    this.scaleWords.setAttribute("font-size", String(side / 28));
-    this.scaleWords.textContent = `${digits(words)} mm`;
+    writeAttribute(this.scaleBar, "d", `M${at.x} ${at.y}h${length}`);
+    writeAttribute(this.scaleBar, "stroke-width", String(side / 120));
+    writeAttribute(this.scaleWords, "x", String(at.x));
+    writeAttribute(this.scaleWords, "y", String(at.y - side * 0.02));
+    writeAttribute(this.scaleWords, "font-size", String(side / 28));
+    writeText(this.scaleWords, `${digits(words)} mm`);
   }
 }
 
@@ -157,17 +170,15 @@ export function tilingPreview(session: DesignSession, verification: Verification
     const key = `${found.family} ${found.parameters.join()} ${isTurned()}`;
     if (key === drawnKey) return;
     drawnKey = key;
-    caption.textContent = `${found.family}. ${session.catalogue.family(found.family)?.description ?? ""}`;
+    writeText(caption, `${found.family}. ${session.catalogue.family(found.family)?.description ?? ""}`);
     request(found);
   });
   session.results.shown.watch(() => drawing.scale(widthNow()));
-  for (const part of [session.results.shown, verification.state]) {
-    part.watch(() => {
-      const shown = session.results.shown.get();
-      if (!shown) return;
-      const off = judgedResponse(session, verification, shown).deviation ?? shown.deviation;
-      live.textContent = `${shown.found.family}: ${percent(off)} from the target`;
-    });
-  }
+  session.redraws.follow([session.results.shown, verification.state], () => {
+    const shown = session.results.shown.get();
+    if (!shown) return;
+    const off = judgedResponse(session, verification, shown).deviation ?? shown.deviation;
+    writeText(live, `${shown.found.family}: ${percent(off)} from the target`);
+  });
   return h("figure", { class: "card preview" }, drawing.element, live, caption);
 }

@@ -68,8 +68,8 @@ export function valueTable(session: DesignSession): HTMLElement {
   }
 
   details.addEventListener("toggle", show);
-  session.results.shown.watch(show);
-  session.state.watch(show);
+  session.redraws.follow([session.results.shown, session.state], () => details.open && showCurves());
+  session.state.watch(() => details.open && showPoints());
   return details;
 }
 

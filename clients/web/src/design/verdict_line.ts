@@ -1,7 +1,7 @@
 // The verdict in words, under the plot: how close the design comes, whether it was simulated, and ways out if the target is missed. It stays in
 // sight, with the buttons that verify the design and lead to its part.
 import { button, Checkbox } from "../base/controls";
-import { h, replace } from "../base/dom";
+import { h, replace, writeAttribute, writeText } from "../base/dom";
 import { keepFocus } from "../base/focus";
 import { seconds } from "../base/format";
 import { icon } from "../base/icons";
@@ -41,13 +41,13 @@ export function verdictLine(session: DesignSession, verification: Verification, 
     const fresh = freshness(shown, session.state.get());
     const judgement = shown && fresh !== "other" && !shown.provisional ? judgedDesign(session, verification, shown) : null;
     const grade = shownGrade(judgement, fresh);
-    element.dataset.grade = grade;
-    element.dataset.source = judgement?.source ?? "";
+    writeAttribute(element, "data-grade", grade);
+    writeAttribute(element, "data-source", judgement?.source ?? "");
     element.classList.toggle("old", fresh !== "current");
     mark.hidden = grade !== "reached";
-    words.textContent = judgement?.sentence ?? (session.search.activity.get().kind === "busy" ? "Searching for a design." : "No design yet.");
+    writeText(words, judgement?.sentence ?? (session.search.activity.get().kind === "busy" ? "Searching for a design." : "No design yet."));
     const running = verification.state.get();
-    state.textContent = [stateWords(running), judgement && shown && envelopeWords(session, shown, judgement)].filter((part) => part).join(" ");
+    writeText(state, [stateWords(running), judgement && shown && envelopeWords(session, shown, judgement)].filter((part) => part).join(" "));
     state.hidden = state.textContent === "";
     verify.hidden = running.kind === "done" || (running.kind === "running" && !running.isBackground);
     verify.disabled = judgement === null || fresh !== "current";
@@ -65,12 +65,8 @@ export function verdictLine(session: DesignSession, verification: Verification, 
       ...all.map((way) => button(wayWords(way), () => waysOut.apply(way), { title: "Make this change. It can be undone" })));
   }
 
-  for (
-    const part of [session.results.shown, session.results.all, session.results.envelope, session.state, session.search.activity, verification.state, verification.simulations.list,
-      waysOut.state]
-  ) {
-    part.watch(show);
-  }
+  session.redraws.follow([session.results.shown, session.results.all, session.results.envelope, session.state, session.search.activity, verification.state,
+    verification.simulations.list, waysOut.state], show);
   background.isOn.watch((isOn) => (byItself.value = isOn));
   return element;
 }

@@ -45,8 +45,7 @@ export function verificationCard(session: DesignSession, verification: Verificat
     show();
   });
   // The card shows the result for the selected target.
-  session.results.shown.watch(() => tell(verification.state.get()));
-  waysOut.state.watch(() => tell(verification.state.get()));
+  session.redraws.follow([session.results.shown, waysOut.state], () => tell(verification.state.get()));
   verification.rounds.list.watch((list) => {
     replace(rounds, ...list.map((round) => h("li", { class: round.isBest ? "best" : null }, roundWords(round))));
     rounds.hidden = list.length === 0;

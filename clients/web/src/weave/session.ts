@@ -53,6 +53,11 @@ export class WeaveSession {
     this.activity = this.profiles.activity;
   }
 
+  /** Whether a change with intermediate states, such as a drag, has begun and not ended. */
+  get isBeingChanged(): boolean {
+    return this.edited.isBeingChanged;
+  }
+
   start(state: WeaveState): void {
     this.edited.begin(state);
     this.refresh();
