@@ -18,7 +18,7 @@ describe("the dial of accuracy", () => {
     const { page } = weave;
     assert.ok(await level(page, "Normal").isChecked());
     await until(async () => /^\d[^≈]*s, ±/.test(await words(page, "Normal")), "what was measured here");
-    assert.match(await words(page, "Draft"), /^≈ .*s, ± [\d.]+ %$/);
+    assert.match(await words(page, "Draft"), /^≈ .*s, ±\u00a0[\d.]+\u00a0%$/);
     assert.match(await page.locator(".dial-words").textContent(), /^Stiffness: .* as measured here, ± .*Four pieces of rod/);
     await level(page, "Draft").check();
     await until(() => last(page.profiles).accuracy.segments === 2, "two pieces of rod");
@@ -87,7 +87,7 @@ describe("the dial of accuracy", () => {
     await level(page, "Draft").check();
     await chip(page, "distances").filter({ hasText: "approximate" }).waitFor();
     assert.equal(last(fields).accuracy.relative_error, 0.05);
-    assert.match(await page.locator('[aria-label="Result"] dt', { hasText: "Farthest vertex" }).locator("+ dd").textContent(), /^[\d.]+ ± [\d.]+ %$/);
+    assert.match(await page.locator('[aria-label="Result"] dt', { hasText: "Farthest vertex" }).locator("+ dd").textContent(), /^[\d.]+ ±\u00a0[\d.]+\u00a0%$/);
     assert.match(page.url(), /accuracy=draft/);
     await closePage(page);
   });

@@ -76,17 +76,17 @@ describe("what a level takes", () => {
 
 describe("accuracy in words", () => {
   it("is an error beside its number, where one is known", () => {
-    expect([errorWords(0.004), errorWords(0), errorWords(null), errorWords(undefined), errorWords(NaN)]).toEqual(["± 0.4 %", "exact", "", "", ""]);
-    expect([withError("12 MPa", 0.05), withError("12 MPa", 0), withError("12 MPa", null)]).toEqual(["12 MPa ± 5 %", "12 MPa", "12 MPa"]);
+    expect([errorWords(0.004), errorWords(0), errorWords(null), errorWords(undefined), errorWords(NaN)]).toEqual(["±\u00a00.4\u00a0%", "exact", "", "", ""]);
+    expect([withError("12 MPa", 0.05), withError("12 MPa", 0), withError("12 MPa", null)]).toEqual(["12 MPa ±\u00a05\u00a0%", "12 MPa", "12 MPa"]);
   });
 
   it("says whether seconds were measured or are expected", () => {
     expect(secondsWords({ seconds: 0.42, source: "measured" })).toBe("420 ms");
     expect(secondsWords({ seconds: 2.345, source: "scaled" })).toBe("≈ 2.3 s");
     expect(estimateSentence("weaves", { seconds: 2, error: 0.1, source: "table", errorSource: "table" }, "error of the modulus")).toBe(
-      "Stiffness: ≈ 2 s by the benchmarks, ± 10 % (error of the modulus).",
+      "Stiffness: ≈ 2 s by the benchmarks, ±\u00a010\u00a0% (error of the modulus).",
     );
-    expect(estimateSentence("designs", { seconds: 2, error: 0.1, source: "measured", errorSource: "table" }, "")).toBe("Search: 2 s as measured here, ± 10 % in the benchmarks.");
+    expect(estimateSentence("designs", { seconds: 2, error: 0.1, source: "measured", errorSource: "table" }, "")).toBe("Search: 2 s as measured here, ±\u00a010\u00a0% in the benchmarks.");
     expect(estimateSentence("weaves", { seconds: null, error: null, source: "table", errorSource: "table" }, "")).toBe("Stiffness: not measured yet.");
   });
 });

@@ -33,8 +33,8 @@ describe("an effect as a chip", () => {
   });
 
   it("of an error has the error, which is green only while it is small", () => {
-    expect(chipsOf([], {}, { discretization_error: 0.004 })).toMatchObject([{ name: "discretization", words: "±0.4 %", tone: "clear" }]);
-    expect(chipsOf([], {}, { discretization_error: { youngs_modulus: 0.09, poisson_ratio: 0.01 } })).toMatchObject([{ words: "±9 %", tone: "found" }]);
+    expect(chipsOf([], {}, { discretization_error: 0.004 })).toMatchObject([{ name: "discretization", words: "±0.4\u00a0%", tone: "clear" }]);
+    expect(chipsOf([], {}, { discretization_error: { youngs_modulus: 0.09, poisson_ratio: 0.01 } })).toMatchObject([{ words: "±9\u00a0%", tone: "found" }]);
     expect(chipsOf([], {}, { tolerance: 1e-6 })).toEqual([]);
   });
 

@@ -5,10 +5,13 @@ import { percent, seconds } from "./format";
 /** Errors below this are those of rounding. */
 const EXACT = 1e-9;
 
-/** "± 0.4 %", or "exact" where nothing but rounding is left; empty where the error is not known. */
+/** A space at which no line breaks. */
+const UNBROKEN = "\u00a0";
+
+/** "± 0.4 %" with spaces at which no line breaks, or "exact" where nothing but rounding is left; empty where the error is not known. */
 export function errorWords(error: number | null | undefined): string {
   if (error === null || error === undefined || !Number.isFinite(error)) return "";
-  return Math.abs(error) < EXACT ? "exact" : `± ${percent(Math.abs(error) < 1e-4 ? Number(error.toPrecision(1)) : error)}`;
+  return Math.abs(error) < EXACT ? "exact" : `± ${percent(Math.abs(error) < 1e-4 ? Number(error.toPrecision(1)) : error)}`.replaceAll(" ", UNBROKEN);
 }
 
 /** A number in words with its error beside it, if that is known and more than rounding. */

@@ -131,7 +131,7 @@ export function errorChip(effect: string, name: string, error: number | null | u
   if (error === undefined) return [];
   const chip = { effect, name, setting: null };
   if (error === null) return [{ ...chip, words: "not estimated", tone: "idle", why: "The answer does not say by how much it errs." }];
-  const words = errorWords(error).replace("± ", "±");
+  const words = errorWords(error).replace(/±\s/, "±");
   return [{
     ...chip,
     words,
