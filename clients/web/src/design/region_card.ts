@@ -28,7 +28,9 @@ export function regionCard(session: DesignSession, verification: Verification): 
   }
 
   session.redraws.follow([session.state, session.results.all, session.results.regionCache, verification.simulations.list], show);
-  session.search.activity.watch((activity) => (search.disabled = activity.kind === "busy"));
+  session.redraws.follow([session.search.activity], () => {
+    search.disabled = session.search.activity.get().kind === "busy";
+  });
   return element;
 }
 

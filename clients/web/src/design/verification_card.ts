@@ -28,7 +28,9 @@ export function verificationCard(session: DesignSession, verification: Verificat
   const section = h("section", { class: "card verification", "aria-label": "Verification" });
 
   // A response to an earlier state is not verified: its curve would be stored for another material or orientation.
-  for (const part of [session.results.shown, session.state]) part.watch(() => (verify.disabled = polish.disabled = !session.results.isCurrent));
+  session.redraws.follow([session.results.shown, session.state], () => {
+    verify.disabled = polish.disabled = !session.results.isCurrent;
+  });
   let lastSeconds: number | null = null;
   let announced = "";
   const tell = (state: VerificationState) => {
