@@ -19,7 +19,7 @@ describe("the dial of accuracy", () => {
     assert.ok(await level(page, "Normal").isChecked());
     await until(async () => /^\d[^≈]*s, ±/.test(await words(page, "Normal")), "what was measured here");
     assert.match(await words(page, "Draft"), /^≈ .*s, ±\u00a0[\d.]+\u00a0%$/);
-    assert.match(await page.locator(".dial-words").textContent(), /^Stiffness: .* as measured here, ± .*Four pieces of rod/);
+    assert.match(await page.locator(".dial-words").textContent(), /^Stiffness: .* as measured here, ±\u00a0.*Four pieces of rod/);
     await level(page, "Draft").check();
     await until(() => last(page.profiles).accuracy.segments === 2, "two pieces of rod");
     await weave.settled();
