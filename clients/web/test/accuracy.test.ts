@@ -86,7 +86,9 @@ describe("accuracy in words", () => {
     expect(estimateSentence("weaves", { seconds: 2, error: 0.1, source: "table", errorSource: "table" }, "error of the modulus")).toBe(
       "Stiffness: ≈ 2 s by the benchmarks, ±\u00a010\u00a0% (error of the modulus).",
     );
-    expect(estimateSentence("designs", { seconds: 2, error: 0.1, source: "measured", errorSource: "table" }, "")).toBe("Search: 2 s as measured here, ±\u00a010\u00a0% in the benchmarks.");
+    expect(estimateSentence("designs", { seconds: 2, error: 0.1, source: "measured", errorSource: "table" }, "")).toBe(
+      "Search: 2 s as measured here, ±\u00a010\u00a0% in the benchmarks.",
+    );
     expect(estimateSentence("weaves", { seconds: null, error: null, source: "table", errorSource: "table" }, "")).toBe("Stiffness: not measured yet.");
   });
 });
