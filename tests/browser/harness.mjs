@@ -132,8 +132,11 @@ function keepDownloads(page) {
   });
 }
 
-/** Allowed messages of the console. Failed requests are among them, because pages handle and show these. */
-const EXPECTED = [/Failed to load resource/, /GPU stall due to ReadPixels/, /GL Driver Message/];
+/**
+ * Allowed messages of the console. Failed requests are among them, because pages handle and show these. A page that is left for about:blank
+ * may still ask for its icon, which is refused then.
+ */
+const EXPECTED = [/Failed to load resource/, /GPU stall due to ReadPixels/, /GL Driver Message/, /favicon\.svg' from origin 'null'/];
 
 /**
  * Opens a page that records its complaints and the requests for designs. `background`: whether the design page verifies and looks for ways
