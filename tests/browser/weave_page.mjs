@@ -75,6 +75,8 @@ export class WeavePage {
 
   /** Clicks on the drawing of the layout, at a position in mm. */
   async clickAt(x, y) {
+    // The button that was pressed before may be below the picture, so that the page has scrolled.
+    await this.page.locator(".layout").scrollIntoViewIfNeeded();
     const [left, top] = await this.page.locator(".layout > g").evaluate((plane, [px, py]) => {
       const point = new DOMPoint(px, py).matrixTransform(plane.getScreenCTM());
       return [point.x, point.y];
