@@ -93,11 +93,16 @@ std::optional<double> SampledTarget::relative_rms(const Eigen::VectorXd& profile
   return std::sqrt(mean_square);
 }
 
+double SampledTarget::tolerance() const {
+  const double relative = reached_fraction * scale;
+  return samples.task == Task::poisson ? std::max(relative, reached_poisson_deviation) : relative;
+}
+
 std::vector<std::uint8_t> SampledTarget::reached(const Eigen::VectorXd& profile) const {
   const Eigen::VectorXd magnitudes = deviations(profile).cwiseAbs();
   std::vector<std::uint8_t> flags;
   flags.reserve(static_cast<std::size_t>(magnitudes.size()));
-  for (const double deviation : magnitudes) flags.push_back(deviation <= reached_fraction * scale ? 1 : 0);
+  for (const double deviation : magnitudes) flags.push_back(deviation <= tolerance() ? 1 : 0);
   return flags;
 }
 

@@ -46,8 +46,8 @@ std::vector<bool> trivial_samples(const SampledTarget& target, const std::vector
   if (target.samples.task != Task::stress_strain) return trivial;
   for (std::size_t i = 0; i < fits.size(); ++i) {
     const double magnitude = std::abs(target.y[static_cast<Eigen::Index>(i)]);
-    trivial[i] = target.has_weight(i) && fits[i] == Fit::reached && is_near_rest(target, i) &&
-                 magnitude <= reached_fraction * target.scale;
+    trivial[i] =
+        target.has_weight(i) && fits[i] == Fit::reached && is_near_rest(target, i) && magnitude <= target.tolerance();
   }
   return trivial;
 }
@@ -94,6 +94,11 @@ std::optional<double> deviation_of(const SampledTarget& target, const Eigen::Vec
 }
 
 }  // namespace
+
+bool is_reached_as_a_whole(const SampledTarget& target, const Eigen::VectorXd& values) {
+  const auto deviation = target.relative_rms(values);
+  return deviation && (*deviation <= max_reached_deviation || target.is_reached(values));
+}
 
 std::string_view to_string(Fit fit) {
   switch (fit) {

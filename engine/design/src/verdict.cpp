@@ -17,11 +17,18 @@ TargetVerdict target_verdict(const CurveAtSamples& curve) {
   }
   verdict.deviation = curve.target.relative_rms(curve.values);
   verdict.ranges = fit_ranges(curve.target, curve.values);
+  verdict.is_reached = is_reached_as_a_whole(curve.target, curve.values);
   return verdict;
 }
 
 double or_infinite(const std::optional<double>& deviation) {
   return deviation.value_or(std::numeric_limits<double>::infinity());
+}
+
+/// Whether `a` is worse than `b`. A target that is reached is never worse than one that is not.
+bool is_worse(const TargetVerdict& a, const TargetVerdict& b) {
+  if (a.is_reached != b.is_reached) return b.is_reached;
+  return or_infinite(a.deviation) > or_infinite(b.deviation);
 }
 
 /// The largest deviation of all targets; none if one of them has none.
@@ -99,8 +106,7 @@ Verdict judge(const Evidence& evidence) {
   for (const CurveAtSamples& curve : simulated ? evidence.simulated : evidence.model)
     verdict.targets.push_back(target_verdict(curve));
   for (std::size_t t = 0; t < verdict.targets.size(); ++t)
-    if (or_infinite(verdict.targets[t].deviation) > or_infinite(verdict.targets[verdict.worst].deviation))
-      verdict.worst = t;
+    if (is_worse(verdict.targets[t], verdict.targets[verdict.worst])) verdict.worst = t;
   if (!verdict.targets.empty()) verdict.deviation = verdict.targets[verdict.worst].deviation;
   verdict.model_deviation = worst_deviation(evidence.model);
   for (const TrustCount& count : trust_counts(evidence)) {
@@ -108,7 +114,8 @@ Verdict judge(const Evidence& evidence) {
     verdict.samples += count.samples;
   }
   verdict.doubt = doubt_about(evidence, verdict);
-  if (verdict.doubt == Doubt::none) verdict.grade = grade_of(*verdict.deviation);
+  if (verdict.doubt == Doubt::none)
+    verdict.grade = verdict.targets[verdict.worst].is_reached ? Grade::reached : grade_of(*verdict.deviation);
   return verdict;
 }
 

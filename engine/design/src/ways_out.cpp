@@ -62,11 +62,29 @@ std::optional<double> worst_simulated_deviation(const DesignProblem& problem,
   return worst;
 }
 
+/// Whether each target that counts is reached as a whole.
+bool reaches_targets(const DesignProblem& problem, const Design& design) {
+  for (std::size_t t = 0; t < design.profiles.size(); ++t) {
+    const DesignProfile& profile = design.profiles[t];
+    if (problem.targets[t].weight > 0 && !is_reached_as_a_whole(profile.target, profile.achieved)) return false;
+  }
+  return true;
+}
+
+/// The same by simulation; none if nothing was simulated.
+std::optional<bool> simulation_reaches_targets(const DesignProblem& problem, const std::optional<Polished>& simulated) {
+  if (!simulated || !is_simulated(*simulated)) return std::nullopt;
+  for (std::size_t t = 0; t < simulated->targets.size(); ++t)
+    if (problem.targets[t].weight > 0 && !is_reached_as_a_whole(simulated->targets[t], simulated->simulated[t]))
+      return false;
+  return true;
+}
+
 /// Why no way out is sought; empty if the target is missed.
-std::string why_not_sought(const Design& design, double by_model, const std::optional<double>& by_simulation) {
+std::string why_not_sought(const Design& design, bool by_model, const std::optional<bool>& by_simulation) {
   if (is_stopped(design.stopped)) return "the search for the design was stopped";
-  if (by_simulation && *by_simulation <= max_reached_deviation) return "the target is reached by the simulation";
-  return by_model <= max_reached_deviation && !by_simulation ? "the target is reached" : "";
+  if (by_simulation && *by_simulation) return "the target is reached by the simulation";
+  return by_model && !by_simulation ? "the target is reached" : "";
 }
 
 // --- words -----------------------------------------------------------------------------------------------------------
@@ -354,13 +372,13 @@ std::string_view to_string(WayOut::Change change) {
 
 std::vector<WayOut> find_ways_out(const WaysOutSearch& search, const Design& design,
                                   const std::optional<Polished>& simulated, const Execution& execution) {
-  const double by_model = worst_deviation(search.problem, design);
-  const auto by_simulation = worst_simulated_deviation(search.problem, simulated);
-  if (const auto why = why_not_sought(design, by_model, by_simulation); !why.empty()) {
+  const bool is_reached_by_model = reaches_targets(search.problem, design);
+  const auto is_reached_by_simulation = simulation_reaches_targets(search.problem, simulated);
+  if (const auto why = why_not_sought(design, is_reached_by_model, is_reached_by_simulation); !why.empty()) {
     if (execution.cost) execution.cost->add_effect("ways_out", false, why);
     return {};
   }
-  const bool only_simulation = by_model <= max_reached_deviation;
+  const bool only_simulation = is_reached_by_model;
   const auto start = std::chrono::steady_clock::now();
   const StageTimer timer(execution.cost, "ways_out");
   std::string why = only_simulation ? "the target is missed by the simulation alone" : "the target is missed";
@@ -370,7 +388,8 @@ std::vector<WayOut> find_ways_out(const WaysOutSearch& search, const Design& des
     const TimeLimit limit(execution.cancellation, search.max_seconds);
     const Miss miss{search,
                     design,
-                    only_simulation ? *by_simulation : by_model,
+                    only_simulation ? *worst_simulated_deviation(search.problem, simulated)
+                                    : worst_deviation(search.problem, design),
                     only_simulation ? &*simulated : nullptr,
                     options_for_ways(search),
                     {.cancellation = limit.token()}};

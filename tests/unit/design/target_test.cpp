@@ -75,6 +75,20 @@ TEST(Target, OfNoPoissonsRatioIsMeasuredAgainstATenth) {
   EXPECT_EQ(sample_target(target).scale, 0.1);
 }
 
+TEST(Target, OfPoissonsRatioToleratesAtLeast2Hundredths) {
+  auto target = directions();
+  for (auto& point : target.control_points) point[1] = 0.01;
+  auto sampled = sample_target(target);
+  EXPECT_EQ(sampled.tolerance(), 0.02);
+  EXPECT_TRUE(sampled.is_reached(Eigen::VectorXd::Constant(50, 0.0299)));
+  EXPECT_FALSE(sampled.is_reached(Eigen::VectorXd::Constant(50, 0.0301)));
+  for (auto& point : target.control_points) point[1] = 5;
+  EXPECT_NEAR(sample_target(target).tolerance(), 0.05, 1e-12);
+  target.task = Task::stiffness;
+  for (auto& point : target.control_points) point[1] = 0.1;
+  EXPECT_NEAR(sample_target(target).tolerance(), 0.001, 1e-12) << "stiffnesses are relative";
+}
+
 TEST(Target, CoarsenedIsPartOfTheSameCurve) {
   const auto fine = sample_target(directions());
   const auto coarse = coarsened(fine, 10);

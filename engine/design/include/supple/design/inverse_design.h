@@ -128,7 +128,7 @@ struct DesignProfile {
   /// Whether the model is trusted at each sample of the design found, as Profile::in_range.
   std::vector<std::uint8_t> in_range;
   Eigen::VectorXd error_bar;  ///< error bars of `achieved`, as Profile::error_bar
-  /// Whether `achieved` is within the band, or within 1 % of the target's scale beyond it.
+  /// Whether `achieved` is within the band, or within SampledTarget::tolerance beyond it.
   std::vector<std::uint8_t> reached;
   Eigen::VectorXd lowest;   ///< minimum over the candidates; empty if they were not evaluated
   Eigen::VectorXd highest;  ///< maximum over the candidates; empty if they were not evaluated

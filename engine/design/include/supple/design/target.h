@@ -16,6 +16,8 @@ inline constexpr double largest_coordinate = 1e6;
 inline constexpr double min_fraction_of_range = 1e-9;
 /// A sample counts as reached if its deviation beyond the band is at most this fraction of the target's scale.
 inline constexpr double reached_fraction = 0.01;
+/// A sample of Poisson's ratio counts as reached up to this deviation, too: near 0 relative deviations say nothing.
+inline constexpr double reached_poisson_deviation = 0.02;
 
 /// One target profile: a curve through control points, at which the solver takes samples.
 struct Target {
@@ -45,7 +47,10 @@ struct SampledTarget {
   /// Weighted root mean square of these deviations, divided by the scale. None if a value of the profile is missing
   /// (NaN) at a sample that has weight.
   std::optional<double> relative_rms(const Eigen::VectorXd& profile) const;
-  /// Whether each value of a profile is within its band, or within 1 % of the scale beyond it.
+  /// Largest deviation beyond the band of a sample that counts as reached, in the unit of y: 1 % of the scale, and for
+  /// Poisson's ratios at least 0.02.
+  double tolerance() const;
+  /// Whether each value of a profile is within its band, or within the tolerance beyond it.
   std::vector<std::uint8_t> reached(const Eigen::VectorXd& profile) const;
   /// Whether the profile is so at each sample that has weight.
   bool is_reached(const Eigen::VectorXd& profile) const;

@@ -13,6 +13,10 @@ namespace supple::design {
 /// Largest relative deviation of a target that counts as reached as a whole.
 inline constexpr double max_reached_deviation = 0.05;
 
+/// Whether a target counts as reached as a whole: its relative deviation is at most `max_reached_deviation`, or each
+/// sample that has weight is reached. `values` has one entry for each sample, NaN where there is no value.
+bool is_reached_as_a_whole(const SampledTarget& target, const Eigen::VectorXd& values);
+
 /// How well a range of a target is met, from best to worst.
 enum class Fit {
   reached,  ///< each sample that has weight is within its tolerance, as SampledTarget::reached

@@ -53,6 +53,7 @@ struct TargetVerdict {
   std::size_t reached = 0;          ///< number of those that are reached
   std::optional<double> deviation;  ///< as SampledTarget::relative_rms
   std::vector<FitRange> ranges;
+  bool is_reached = false;  ///< as is_reached_as_a_whole
 };
 
 struct Verdict {
@@ -64,7 +65,7 @@ struct Verdict {
   std::size_t samples = 0;                ///< number of samples by the model that have weight, of all targets
   std::size_t untrusted = 0;              ///< number of those at which the model is not trusted
   std::vector<TargetVerdict> targets;     ///< by the source
-  std::size_t worst = 0;                  ///< index of the target that decides
+  std::size_t worst = 0;  ///< index of the target that decides: of those that are not reached, the furthest off
 };
 
 /// The grade of a deviation that is trusted.
