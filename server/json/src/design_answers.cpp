@@ -117,11 +117,36 @@ void write_ranges(JsonWriter& out, const std::vector<design::FitRange>& ranges) 
   out.end_array();
 }
 
-void write_verdict(JsonWriter& out, const design::Verdict& verdict) {
+void write_verdict(JsonWriter& out, const design::Verdict& verdict, const BoundedTargets& bounded) {
   out.key("verdict").begin_object().field("grade", design::to_string(verdict.grade));
   out.field("source", design::to_string(verdict.source));
   write_number_or_null(out, "deviation", verdict.deviation);
-  out.field("sentence", verdict_sentence(verdict)).end_object();
+  out.field("sentence", verdict_sentence(verdict)).field("bound", bound_sentence(verdict, bounded)).end_object();
+}
+
+void write_rest_profile(JsonWriter& out, const design::RestProfile& profile) {
+  out.field("deviation", profile.deviation).key("y").numbers(profile.y);
+}
+
+/// The nearest that any material comes to a target at rest.
+void write_bound(JsonWriter& out, const BoundedTargets& bounded, std::size_t target) {
+  out.key("bound");
+  if (target >= bounded.bounds.targets.size() || !bounded.bounds.targets[target]) {
+    out.null();
+    return;
+  }
+  const design::MaterialBound& bound = *bounded.bounds.targets[target];
+  out.begin_object();
+  write_rest_profile(out, bound.alone);
+  out.key("together");
+  if (bound.together) {
+    out.begin_object();
+    write_rest_profile(out, *bound.together);
+    out.end_object();
+  } else {
+    out.null();
+  }
+  out.end_object();
 }
 
 void write_design_profile(JsonWriter& out, const FoundDesigns& found, const design::Verdict& verdict,
@@ -144,6 +169,7 @@ void write_design_profile(JsonWriter& out, const FoundDesigns& found, const desi
   } else {
     out.begin_object().key("lower").numbers(profile.lowest).key("upper").numbers(profile.highest).end_object();
   }
+  write_bound(out, found.bounded, target);
   out.end_object();
 }
 
@@ -225,7 +251,7 @@ void write_found(JsonWriter& out, const FoundDesigns& found) {
   const auto material = material_of(found, best);
   write_material(out, material, best.youngs_modulus, model);
   const auto verdict = design::judge(design::evidence_of(best, found.verification ? &*found.verification : nullptr));
-  write_verdict(out, verdict);
+  write_verdict(out, verdict, found.bounded);
   out.key("profile");
   write_design_profile(out, found, verdict, 0);
   out.key("also").begin_array();

@@ -179,7 +179,9 @@ std::string_view heading_words(const design::Verdict& verdict) {
   }
   switch (verdict.grade) {
     case Grade::reached:
-      return verdict_words("heading.reached");
+      // Poisson's ratios near 0 are reached although they are far off relative to the target.
+      return verdict.deviation.value_or(0) <= design::max_reached_deviation ? verdict_words("heading.reached")
+                                                                            : verdict_words("heading.reached_within");
     case Grade::close:
       return verdict_words("heading.close");
     default:
@@ -192,7 +194,8 @@ std::string heading(const design::Verdict& verdict) {
   return with_slots(
       heading_words(verdict),
       {{"source", std::string(simulated ? verdict_words("source.simulation") : verdict_words("source.model"))},
-       {"deviation", deviation_words(verdict.deviation)}});
+       {"deviation", deviation_words(verdict.deviation)},
+       {"tolerance", number_text(design::reached_poisson_deviation)}});
 }
 
 /// What the model says of a design about which the simulation, or the structure, says nothing.
@@ -214,7 +217,56 @@ std::string sentence_about_worst_target(const design::Verdict& verdict) {
                     {{"count", std::to_string(verdict.targets.size())}, {"number", std::to_string(verdict.worst + 1)}});
 }
 
+/// Whether the design misses a target and comes no nearer to it than the deviation.
+bool is_no_nearer(const design::TargetVerdict& target, double deviation) {
+  return !target.is_reached && target.deviation && *target.deviation >= deviation;
+}
+
+/// A sentence for each target that no material can have by itself.
+std::string sentences_about_single_targets(const design::Verdict& verdict, const BoundedTargets& bounded) {
+  std::string text;
+  for (std::size_t t = 0; t < bounded.targets.size(); ++t) {
+    const auto& bound = bounded.bounds.targets[t];
+    if (!bound || design::is_reached_as_a_whole(bounded.targets[t], bound->alone.y)) continue;
+    if (!is_no_nearer(verdict.targets[t], bound->alone.deviation)) continue;
+    const bool is_only = bounded.targets.size() == 1;
+    text += (text.empty() ? "" : " ") +
+            with_slots(is_only ? verdict_words("bound.alone") : verdict_words("bound.numbered"),
+                       {{"deviation", percentage(bound->alone.deviation)}, {"number", std::to_string(t + 1)}});
+  }
+  return text;
+}
+
+/// A sentence about targets that no material can have together; empty if the design comes nearer to them.
+std::string sentence_about_targets_together(const design::Verdict& verdict, const BoundedTargets& bounded) {
+  std::size_t count = 0;
+  double squares = 0;
+  double weights = 0;
+  bool is_beyond_reach = false;
+  bool is_missed = false;
+  for (std::size_t t = 0; t < bounded.targets.size(); ++t) {
+    const auto& bound = bounded.bounds.targets[t];
+    if (!bound || !bound->together) continue;
+    const design::TargetVerdict& target = verdict.targets[t];
+    if (!target.deviation) return {};
+    ++count;
+    squares += bounded.weights[t] * *target.deviation * *target.deviation;
+    weights += bounded.weights[t];
+    is_beyond_reach |= !design::is_reached_as_a_whole(bounded.targets[t], bound->together->y);
+    is_missed |= !target.is_reached;
+  }
+  const double together = bounded.bounds.together.value_or(0);
+  if (!is_beyond_reach || !is_missed || std::sqrt(squares / weights) < together) return {};
+  return with_slots(verdict_words("bound.together"),
+                    {{"deviation", percentage(together)}, {"count", std::to_string(count)}});
+}
+
 }  // namespace
+
+std::string bound_sentence(const design::Verdict& verdict, const BoundedTargets& bounded) {
+  const std::string single = sentences_about_single_targets(verdict, bounded);
+  return single.empty() ? sentence_about_targets_together(verdict, bounded) : single;
+}
 
 std::string verdict_sentence(const design::Verdict& verdict) {
   std::vector<std::string> sentences{heading(verdict)};

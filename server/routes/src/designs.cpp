@@ -10,6 +10,7 @@
 #include "results.h"
 #include "supple/base/part_of_execution.h"
 #include "supple/design/design_fault.h"
+#include "supple/design/material_bound.h"
 #include "supple/design/verified_designs.h"
 #include "supple/design/ways_out.h"
 #include "supple/json/design_answers.h"
@@ -142,6 +143,27 @@ std::vector<design::DesignSpace> spaces_of(const std::vector<Model>& models) {
   return spaces;
 }
 
+/// Young's modulus of the stiffest solid that the request allows, MPa.
+double max_modulus(const json::RegionSpec& spec, double model_modulus) {
+  double modulus = spec.materials.empty() ? model_modulus : 0;
+  for (const auto& material : spec.materials)
+    modulus = std::max(modulus, material.has_modulus ? material.youngs_modulus.most : model_modulus);
+  return modulus;
+}
+
+/// The region's targets, and the nearest that any material comes to them at rest.
+json::BoundedTargets bounded_targets(const json::RegionSpec& spec, const json::DesignModel& model) {
+  json::BoundedTargets bounded;
+  for (const design::Target& target : spec.problem.targets) {
+    bounded.targets.push_back(design::sample_target(target));
+    bounded.weights.push_back(target.weight);
+  }
+  const double modulus = max_modulus(spec, model.youngs_modulus);
+  bounded.bounds =
+      design::material_bounds(bounded.targets, bounded.weights, design::solid_compliance(modulus, model.poisson_ratio));
+  return bounded;
+}
+
 json::FoundDesigns search(const Region& region, const json::DesignRequest& request, const Execution& execution) {
   json::FoundDesigns found;
   found.spec = region.spec;
@@ -168,6 +190,7 @@ json::FoundDesigns search(const Region& region, const json::DesignRequest& reque
   found.ranking = std::move(designs.ranking);
   found.verification = std::move(designs.polished);
   found.discretization_error = std::move(designs.discretization_error);
+  found.bounded = bounded_targets(found.spec, found.models[found.ranking.front().design.space]);
   return found;
 }
 

@@ -97,6 +97,22 @@ TEST(DesignAnswers, SayWhatTheStructureIsMadeOfAndMeasures) {
   EXPECT_EQ(answer["structure"]["beam_width"], 0.75);
 }
 
+TEST(DesignAnswers, SayHowNearAnyMaterialComes) {
+  auto designs = found();
+  auto answer = written(designs);
+  EXPECT_TRUE(answer["profile"]["bound"].is_null()) << "of a profile without a bound";
+  EXPECT_EQ(answer["verdict"]["bound"], "");
+  designs.ranking[0].design.profiles[0].in_range = {1, 1};
+  designs.bounded.targets = {designs.ranking[0].design.profiles[0].target};
+  designs.bounded.weights = {1};
+  designs.bounded.bounds.targets = {design::MaterialBound{{0.5, Eigen::Vector2d(2, 3)}, {}}};
+  answer = written(designs);
+  EXPECT_EQ(answer["profile"]["bound"], (json{{"deviation", 0.5}, {"y", {2.0, 3.0}}, {"together", nullptr}}));
+  EXPECT_EQ(answer["verdict"]["bound"], "No material at rest comes nearer than 50 % to it.");
+  designs.bounded.bounds.targets[0]->together = design::RestProfile{0.75, Eigen::Vector2d(2.5, 3.5)};
+  EXPECT_EQ(written(designs)["profile"]["bound"]["together"], (json{{"deviation", 0.75}, {"y", {2.5, 3.5}}}));
+}
+
 TEST(DesignAnswers, SayWhatWouldHelp) {
   auto designs = found();
   EXPECT_TRUE(written(designs)["ways_out"].is_array() && written(designs)["ways_out"].empty());

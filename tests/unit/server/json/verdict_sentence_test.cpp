@@ -7,6 +7,7 @@
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "supple/json/design_requests.h"
@@ -70,6 +71,7 @@ TEST(VerdictSentence, HasTheLimitsOfTheTable) {
   EXPECT_EQ(limits["reached"], design::max_reached_deviation);
   EXPECT_EQ(limits["close"], design::max_close_deviation);
   EXPECT_EQ(limits["sample"], design::reached_fraction);
+  EXPECT_EQ(limits["poisson_sample"], design::reached_poisson_deviation);
   EXPECT_EQ(limits["untrusted"], design::untrusted_fraction);
   EXPECT_EQ(limits["ranges"], max_ranges_in_words);
   EXPECT_EQ(limits["around"], max_degrees_around);
@@ -83,6 +85,68 @@ TEST(VerdictSentence, LeavesNoSlotEmpty) {
     EXPECT_EQ(sentence.find("  "), std::string::npos) << sentence;
     EXPECT_EQ(sentence.back(), '.') << sentence;
   }
+}
+
+design::SampledTarget target_over_directions(design::Task task, double value) {
+  design::SampledTarget target;
+  target.samples.task = task;
+  target.samples.x = {0, 1, 2};
+  target.y.setConstant(3, value);
+  target.weights.setConstant(3, 1 / 3.0);
+  target.bands.setZero(3);
+  target.scale = value;
+  return target;
+}
+
+/// A target of the value 1 and its bound: materials come as near as `alone` and, with others, as near as `together`.
+void add_target(BoundedTargets& bounded, design::Task task, double alone, std::optional<double> together = {}) {
+  const auto target = target_over_directions(task, 1);
+  bounded.targets.push_back(target);
+  bounded.weights.push_back(1);
+  design::MaterialBound bound{{alone, (1 + alone) * target.y}, {}};
+  if (together) bound.together = design::RestProfile{*together, (1 + *together) * target.y};
+  bounded.bounds.targets.emplace_back(bound);
+  if (together) bounded.bounds.together = together;
+}
+
+/// The verdict on a design that deviates so far from each target.
+design::Verdict verdict_on(const BoundedTargets& bounded, double deviation) {
+  design::Evidence evidence;
+  for (const auto& target : bounded.targets) {
+    evidence.model.push_back({target, (1 + deviation) * target.y});
+    evidence.trusted.emplace_back(3, std::uint8_t{1});
+  }
+  return design::judge(evidence);
+}
+
+TEST(BoundSentence, SaysHowNearAnyMaterialComesToATargetThatIsBeyondReach) {
+  BoundedTargets bounded;
+  add_target(bounded, design::Task::stiffness, 0.07);
+  EXPECT_EQ(bound_sentence(verdict_on(bounded, 0.2), bounded), "No material at rest comes nearer than 7 % to it.");
+  EXPECT_EQ(bound_sentence(verdict_on(bounded, 0.06), bounded), "") << "strain brought the design nearer";
+  EXPECT_EQ(bound_sentence(verdict_on(bounded, 0.01), bounded), "") << "the design reaches it";
+  BoundedTargets within_reach;
+  add_target(within_reach, design::Task::stiffness, 0.04);
+  EXPECT_EQ(bound_sentence(verdict_on(within_reach, 0.2), within_reach), "");
+  BoundedTargets without_bound;
+  without_bound.targets = bounded.targets;
+  without_bound.weights = bounded.weights;
+  without_bound.bounds.targets.emplace_back();
+  EXPECT_EQ(bound_sentence(verdict_on(without_bound, 0.2), without_bound), "");
+}
+
+TEST(BoundSentence, NamesTheTargetOfSeveralOrTheirNumber) {
+  BoundedTargets bounded;
+  add_target(bounded, design::Task::stiffness, 0.01, 0.2);
+  add_target(bounded, design::Task::poisson, 0.125, 0.2);
+  EXPECT_EQ(bound_sentence(verdict_on(bounded, 0.5), bounded),
+            "No material at rest comes nearer than 13 % to target 2.");
+  BoundedTargets conflict;
+  add_target(conflict, design::Task::stiffness, 0.01, 0.25);
+  add_target(conflict, design::Task::poisson, 0.01, 0.25);
+  EXPECT_EQ(bound_sentence(verdict_on(conflict, 0.5), conflict),
+            "No material at rest comes nearer than 25 % to the 2 targets of stiffness and Poisson's ratio together.");
+  EXPECT_EQ(bound_sentence(verdict_on(conflict, 0.2), conflict), "") << "the design comes nearer";
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "supple/design/ways_out.h"
 #include "supple/json/answers.h"
 #include "supple/json/design_requests.h"
+#include "supple/json/verdict_sentence.h"
 
 /// The answers of inverse design as JSON text; they throw like those of answers.h.
 namespace supple::json {
@@ -30,6 +31,7 @@ struct FoundDesigns {
   std::vector<std::optional<double>> discretization_error{};  ///< see VerifiedDesigns; empty without verification
   std::vector<design::WayOut> ways_out{};                     ///< best first
   std::vector<DesignModel> other_models{};                    ///< models of the families that `ways_out` may name
+  BoundedTargets bounded{};                                   ///< targets, and what any material can have at rest
 };
 
 std::string write_design(const DesignRequest& request, const std::vector<FoundDesigns>& found, const Bill& bill);

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "supple/design/material_bound.h"
 #include "supple/design/verdict.h"
 
 namespace supple::json {
@@ -15,5 +17,17 @@ inline constexpr double max_degrees_around = 40;
 /// are reached and those that are not, for example "Simulated: 45 % off. The plateau is reached from 8 to 20 %, the
 /// rise is missed from 0 to 8 % (62 % off)."
 std::string verdict_sentence(const design::Verdict& verdict);
+
+/// The targets of a design, their weights, and the nearest that any material comes to them at rest.
+struct BoundedTargets {
+  std::vector<design::SampledTarget> targets;
+  std::vector<double> weights;
+  design::MaterialBounds bounds;
+};
+
+/// What no material can have at rest of the targets that the design misses, in the words of api/verdicts.json, for
+/// example "No material at rest comes nearer than 7 % to it." Empty if some material reaches them, and where the design
+/// comes nearer, as it may with strain.
+std::string bound_sentence(const design::Verdict& verdict, const BoundedTargets& bounded);
 
 }  // namespace supple::json
