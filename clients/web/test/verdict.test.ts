@@ -6,7 +6,7 @@ import { profileResponses, type TargetResponse } from "../src/design/shown";
 import { spaced } from "../src/design/spline";
 import { type ControlPoint, DEFAULT_STATE, type DesignState } from "../src/design/state";
 import { type CurveEvidence, judge, judgeAll, verdictFacts } from "../src/design/verdict";
-import { fitRanges, joinedAcrossPeriod } from "../src/design/verdict_ranges";
+import { fitRanges, joinedAcrossPeriod, type JudgedCurve, reachedSamples } from "../src/design/verdict_ranges";
 import { verdictSentence } from "../src/design/verdict_sentence";
 
 // A busy machine has time.
@@ -114,6 +114,25 @@ describe("the error of a model", () => {
   });
 });
 
+describe("Poisson’s ratios near 0", () => {
+  const directions = [0, 0.5, 1, 1.5, 2, 2.5];
+  const curve = (target: number, y: number) => ({ task: "poisson" as const, x: directions, target: directions.map(() => target), y: directions.map(() => y) });
+  const facts = (...curves: JudgedCurve[]) => verdictFacts(curves.map((model): CurveEvidence => ({ model, simulated: null, inRange: model.x.map(() => true) })));
+
+  it("are reached within 0.02, however far off they are relative to the target", () => {
+    const near = facts(curve(0.01, 0.0299));
+    expect(near).toMatchObject({ grade: "reached", deviation: expect.closeTo(0.199, 9) });
+    expect(verdictSentence(near)).toBe("By the model: reached, each Poisson's ratio within 0.02.");
+    expect(facts(curve(0.01, 0.0301)).grade).toBe("missed");
+    expect(reachedSamples(curve(3, 3.029))).toBe(6);
+  });
+
+  it("do not decide beside a target that is missed", () => {
+    const stiffness = { ...curve(1, 1.08), task: "stiffness" as const };
+    expect(facts(curve(0, 0.019), stiffness)).toMatchObject({ grade: "close", worst: 1 });
+  });
+});
+
 describe("missing values", () => {
   it("leave the verdict open", () => {
     const gap = X.map((x, k) => (k === 4 ? null : 10 * x));
@@ -189,6 +208,13 @@ describe("a worked sample of the table", () => {
 
 describe("the server's verdict", () => {
   const answered = { grade: "missed", source: "model", deviation: 0.3, sentence: "By the model: 30 % off, with a band." } as const;
+
+  it("says what no material can have where the target is missed", () => {
+    const bound = "No material at rest comes nearer than 7 % to it.";
+    expect(judge(scaled(1.3, { answered: { ...answered, bound } }), null).bound).toBe(bound);
+    expect(judge(scaled(1.3, { answered }), null).bound).toBe("");
+    expect(judge(scaled(1.3, { answered: { ...answered, bound } }), null, simulatedAs(1.02)).bound).toBe("");
+  });
 
   it("is what is said of a design that it has judged, unless the page knows of a simulation", () => {
     expect(judge(scaled(1.3, { answered }), null).sentence).toBe(answered.sentence);

@@ -13,6 +13,7 @@ const PARTLY_KNOWN: Judgement = {
   isWithinError: false,
   words: gradeWords("unknown"),
   sentence: "Not all targets of this design are known yet.",
+  bound: "",
 };
 
 function evidenceOf(session: DesignSession, verification: Verification, shown: TargetResponse): JudgedEvidence {

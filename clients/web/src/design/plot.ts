@@ -20,6 +20,8 @@ export interface PlotView {
   readonly provisional: boolean;
   readonly previous: Curve | null;
   readonly envelope: Envelope | null;
+  /** The nearest that any material can have at rest, where it differs from the target. */
+  readonly bound: Curve | null;
   /** Error band of the model around the achieved curve. */
   readonly uncertainty: Band | null;
   readonly verified: Curve | null;

@@ -26,6 +26,7 @@ import { type ControlPoint, isPolar, sameProfile, STRAIN_WORDS, TASK_WORDS } fro
 import { addPoint, minPoints, movePoint, removePoint, middleOfGapAfter } from "./targets";
 import { targetWords } from "./target_list";
 import { targetTabs } from "./target_tabs";
+import { limits } from "./verdict_words";
 import type { Verification } from "./verification";
 
 export class PlotPanel {
@@ -203,6 +204,7 @@ export class PlotPanel {
       provisional: shown?.provisional ?? false,
       previous: previous && sameProfile(previous, state) ? previous : null,
       envelope: fits ? envelope : null,
+      bound: shown?.bound && shown.points === state.points && shown.bound.deviation > limits.sample ? { x: shown.x, y: shown.bound.y } : null,
       uncertainty: shown && errorBand(shown, modelError(this.session.catalogue.model(shown.found.family), shown)),
       verified: this.verification.simulated?.curve ?? null,
       rounds: this.verification.rounds.list.get().flatMap(({ curve, isBest }) => (curve ? [{ ...curve, isBest }] : [])),
@@ -244,6 +246,8 @@ export class PlotPanel {
       entry(view.verified !== null, "simulated", "Simulated", "M11 0L16 5 11 10 6 5Z"),
       entry(view.envelope !== null, "reachable", `What ${view.envelope?.family ?? ""} reaches, each value by itself`, "M0 0H22V10H0Z",
         "At each place some design of the family reaches every value in here; one design need not reach a whole curve in here."),
+      entry(view.bound !== null, "bound", "Nearest that any material can have at rest", "M0 5H22",
+        "Stiffness and Poisson’s ratio over direction follow from one compliance at rest, whatever the structure. With strain a structure may come a little nearer."),
       entry(view.missed.length > 0, "out", "Missed", "M7 1L15 9M15 1L7 9"),
       ...view.pins.map((pin) => entry(true, `pin pin-${pin.id % 6}`, pin.name)),
     );
@@ -267,6 +271,7 @@ export class PlotPanel {
       parts.push(`${this.session.results.isCurrent ? "design" : "design before"} ${value(at(view.achieved))}${bar === null ? "" : ` ± ${digits(bar, 2)}`}`);
     }
     if (view.verified) parts.push(`simulated ${value(at(view.verified))}`);
+    if (view.bound) parts.push(`any material at rest ${value(at(view.bound))}`);
     for (const pin of view.pins) parts.push(`${pin.name.split(",")[0]} ${value(at(pin))}`);
     replaceChanged(this.reading, `${y} at ${polar ? degrees(x) : `a strain of ${digits(x)}`}: ${parts.join(", ")}.`);
   }

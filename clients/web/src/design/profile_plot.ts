@@ -30,6 +30,7 @@ export abstract class ProfilePlot {
   private readonly uncertainty = svg("path", { class: "doubt", "fill-rule": "evenodd" });
   private readonly measured = svg("path", { class: "measured" });
   private readonly pins = svg("g", { class: "pinned" });
+  private readonly bound = svg("path", { class: "curve bound" });
   private readonly previous = svg("path", { class: "curve before" });
   private readonly target = svg("path", { class: "curve target" });
   private readonly achieved = svg("path", { class: "curve achieved" });
@@ -90,7 +91,7 @@ export abstract class ProfilePlot {
     this.scaleToSize();
     this.element.classList.toggle("zoomed", this.isZoomed);
     if (!view.dragging || this.view?.task !== view.task) {
-      this.fitDomains(view, [view.achieved, view.previous, view.verified, ...view.pins].filter((curve): curve is Curve => curve !== null));
+      this.fitDomains(view, [view.achieved, view.previous, view.bound, view.verified, ...view.pins].filter((curve): curve is Curve => curve !== null));
     }
     this.view = view;
     const axes = this.axesKey(view);
@@ -107,6 +108,7 @@ export abstract class ProfilePlot {
     writeAttribute(this.measured, "d", view.measured.flatMap((point) => this.places(point)).map(([x, y]) => `M${x},${y}h0`).join(""));
     writeAttribute(this.target, "d", this.targetPath(view));
     this.draw(this.previous, view.previous);
+    this.draw(this.bound, view.bound);
     this.draw(this.achieved, view.achieved);
     this.achieved.classList.toggle("provisional", view.provisional);
     replaceChanged(
@@ -130,7 +132,7 @@ export abstract class ProfilePlot {
   }
   /** The layers above the axes, the lowest first. */
   protected get layersAboveAxes(): SVGElement[] {
-    return [this.guide, this.uncertainty, this.pins, this.rounds, this.previous, this.target, this.missed, this.achieved, this.verified];
+    return [this.guide, this.uncertainty, this.pins, this.rounds, this.previous, this.bound, this.target, this.missed, this.achieved, this.verified];
   }
 
   /** Makes the scales fit the plot's present size. */

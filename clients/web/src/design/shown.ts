@@ -4,6 +4,7 @@ import { foundSpecification, isRange, searchesModulus, type Specification, mater
 import { type TilingDesign, isPolar, type ProfileKind, sameProfile, type Region, type Target } from "./state";
 import { relativeDeviation, targetCurve } from "./spline";
 import { askedOrder, sameTargets, targetOf, targetsOf } from "./target_list";
+import { toleranceOf } from "./verdict_ranges";
 import type { Grade, Source } from "./verdict_words";
 
 export interface Band {
@@ -49,6 +50,15 @@ export interface AnsweredVerdict {
   /** Deviation from the worst target; null if a value is missing. */
   readonly deviation: number | null;
   readonly sentence: string;
+  /** What no material can have at rest; empty if some material reaches the targets. */
+  readonly bound?: string;
+}
+
+/** The nearest that any material comes to a target at rest; to all targets of the design together, where there are several. */
+export interface NearestPossible {
+  /** Relative root mean square deviation from the target. */
+  readonly deviation: number;
+  readonly y: readonly number[];
 }
 
 /** The response of a design to one of its targets. */
@@ -82,14 +92,14 @@ export interface TargetResponse extends Target, Requirements {
   readonly provisional: boolean;
   /** Optional parts of the computation. */
   readonly effects?: readonly Effect[];
+  /** Null for profiles that have no bound, and for designs that were set by hand. */
+  readonly bound: NearestPossible | null;
   /** The server's verdict on the design; null for one that was set by hand or is not final. */
   readonly answered: AnsweredVerdict | null;
 }
 
 /** Deviations of Poisson's ratio are relative to at least this value, since a target of zeros has no scale. */
 const MIN_POISSON = 0.1;
-/** Largest deviation of a reached sample, over the root mean square of the target. */
-const REACHED_TOLERANCE = 0.01;
 
 /** Relative error of a model on designs that it was not trained with: the mean, and the 99th percentile of the states. */
 export interface ModelError {
@@ -247,6 +257,7 @@ export function designResponses(answer: CostedDesign, asked: Region): readonly T
       byHand: false,
       provisional: false,
       ...(answer.effects && { effects: answer.effects }),
+      bound: profile.bound ? (profile.bound.together ?? profile.bound) : null,
       answered: (answer as { verdict?: AnsweredVerdict }).verdict ?? null,
     };
   });
@@ -279,6 +290,7 @@ export function profileResponses(profiles: readonly Profile[], asked: Region, st
       seconds: profiles.reduce((sum, { cost }) => sum + cost.seconds, 0),
       byHand: true,
       provisional: false,
+      bound: null,
       answered: null,
     };
   });
@@ -305,6 +317,7 @@ export function partialResponse(partial: PartialDesign, asked: Region): TargetRe
     seconds: 0,
     byHand: false,
     provisional: true,
+    bound: null,
     answered: null,
   };
 }
@@ -318,14 +331,14 @@ export function overallDeviation(all: readonly { deviation: number; weight: numb
 /** A profile compared with its target, sample by sample. */
 function comparison(x: readonly number[], y: readonly (number | null)[], asked: Target): Pick<TargetResponse, "x" | "achieved" | "target" | "reached" | "deviation" | "largest"> {
   const target = x.map(targetCurve(isPolar(asked.task), asked.points, asked.interpolation));
-  const size = Math.sqrt(target.reduce((sum, value) => sum + value * value, 0) / target.length);
+  const tolerance = toleranceOf({ task: asked.task, target });
   const deviations = y.map((value, k) => (value === null ? Infinity : Math.abs(value - target[k])));
   const finite = deviations.filter(Number.isFinite);
   return {
     x,
     achieved: y,
     target,
-    reached: deviations.map((value) => value <= REACHED_TOLERANCE * size),
+    reached: deviations.map((value) => value <= tolerance),
     deviation: relativeDeviation(y, target, asked.task === "poisson" ? MIN_POISSON : 0),
     largest: finite.length > 0 ? Math.max(...finite) : 0,
   };

@@ -20,6 +20,8 @@ export interface Judgement {
   readonly words: string;
   /** The verdict in words. */
   readonly sentence: string;
+  /** What no material can have at rest of the targets that are missed, in words; empty if it is not known or there is nothing. */
+  readonly bound: string;
 }
 
 /** Errors of a model up to this fraction of the target are small. */
@@ -107,7 +109,7 @@ function factsBy(source: Source, all: readonly CurveEvidence[]): VerdictFacts {
   const doubt = doubtAbout(all, deciding, source);
   const byModel = all.map(({ model }) => deviationOf(model));
   return {
-    grade: doubt === "none" && deviation !== null ? gradeOf(deviation) : "unknown",
+    grade: doubt === "none" && deviation !== null ? gradeOf(deviation, targets[worst]) : "unknown",
     source,
     doubt,
     deviation,
@@ -136,11 +138,12 @@ export function judgeAll(all: readonly JudgedEvidence[]): Judgement {
     isWithinError,
     words: isWithinError ? "Within the model’s error" : source === "simulation" ? `${words.source.simulation}: ${gradeWords(grade).toLowerCase()}` : gradeWords(grade),
     sentence: isAnswered ? answered.sentence : verdictSentence(facts),
+    bound: grade === "reached" ? "" : (answered?.bound ?? ""),
   };
 }
 
-function gradeOf(deviation: number): Grade {
-  return deviation <= limits.reached ? "reached" : deviation <= limits.close ? "close" : "missed";
+function gradeOf(deviation: number, { isReached }: TargetVerdict): Grade {
+  return isReached ? "reached" : deviation <= limits.close ? "close" : "missed";
 }
 
 /** The simulated deviation from a target; null if the simulation does not get to every sample. */
@@ -157,12 +160,16 @@ function modelCurve({ task, x, target, achieved }: JudgedResponse): JudgedCurve 
 }
 
 function targetVerdict(curve: JudgedCurve): TargetVerdict {
-  return { task: curve.task, samples: curve.x.length, reached: reachedSamples(curve), deviation: deviationOf(curve), ranges: fitRanges(curve) };
+  const [samples, reached, deviation] = [curve.x.length, reachedSamples(curve), deviationOf(curve)];
+  const isReached = deviation !== null && (deviation <= limits.reached || reached === samples);
+  return { task: curve.task, samples, reached, deviation, ranges: fitRanges(curve), isReached };
 }
 
+/** A target that is reached is never the worst beside one that is not. */
 function indexOfWorst(targets: readonly TargetVerdict[]): number {
   const size = ({ deviation }: TargetVerdict) => deviation ?? Infinity;
-  return targets.reduce((worst, target, k) => (size(target) > size(targets[worst]) ? k : worst), 0);
+  const isWorse = (a: TargetVerdict, b: TargetVerdict) => (a.isReached === b.isReached ? size(a) > size(b) : b.isReached);
+  return targets.reduce((worst, target, k) => (isWorse(target, targets[worst]) ? k : worst), 0);
 }
 
 function untrusted(inRange: readonly boolean[]): number {

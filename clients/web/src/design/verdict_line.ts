@@ -47,7 +47,8 @@ export function verdictLine(session: DesignSession, verification: Verification, 
     mark.hidden = grade !== "reached";
     writeText(words, judgement?.sentence ?? (session.search.activity.get().kind === "busy" ? "Searching for a design." : "No design yet."));
     const running = verification.state.get();
-    writeText(state, [stateWords(running), judgement && shown && envelopeWords(session, shown, judgement)].filter((part) => part).join(" "));
+    const limit = judgement && shown && fresh === "current" ? judgement.bound || envelopeWords(session, shown, judgement) : "";
+    state.textContent = [stateWords(running), limit].filter((part) => part).join(" ");
     state.hidden = state.textContent === "";
     verify.hidden = running.kind === "done" || (running.kind === "running" && !running.isBackground);
     verify.disabled = judgement === null || fresh !== "current";
@@ -86,7 +87,7 @@ function stateWords(state: VerificationState): string {
   return `${parts.filter((part) => part !== "").join(", ")}.`;
 }
 
-/** Why a target inside the shade can be missed. Empty if it is not, or if it leaves the shade. */
+/** Why a target inside the shade can be missed, if no bound of all materials says why. Empty if it is not, or if it leaves the shade. */
 function envelopeWords(session: DesignSession, shown: TargetResponse, { grade }: Judgement): string {
   const envelope = session.results.envelope.get();
   if (grade !== "missed" || !envelope || envelope.family !== shown.found.family || envelope.x.length !== shown.target.length) return "";

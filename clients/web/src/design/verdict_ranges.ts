@@ -45,8 +45,14 @@ export function deviationOf(curve: JudgedCurve): number | null {
   return rangeDeviation(curve, 0, curve.x.length);
 }
 
+/** The largest deviation of a sample that is reached. Relative deviations mean nothing where Poisson's ratio is near 0. */
+export function toleranceOf({ task, target }: Pick<JudgedCurve, "task" | "target">): number {
+  const relative = limits.sample * scaleOf({ task, target });
+  return task === "poisson" ? Math.max(relative, limits.poisson_sample) : relative;
+}
+
 export function reachedSamples({ task, target, y }: JudgedCurve): number {
-  const tolerance = limits.sample * scaleOf({ task, target });
+  const tolerance = toleranceOf({ task, target });
   return y.filter((value, k) => value !== null && Math.abs(value - target[k]) <= tolerance).length;
 }
 
@@ -88,16 +94,17 @@ export function joinedAcrossPeriod(ranges: readonly FitRange[], task: Task): rea
 
 function fitsOf({ task, target, y }: JudgedCurve): Fit[] {
   const scale = scaleOf({ task, target });
+  const tolerance = toleranceOf({ task, target });
   return y.map((value, k): Fit => {
     if (value === null || !Number.isFinite(value)) return "missing";
     const deviation = Math.abs(value - target[k]);
-    return deviation <= limits.sample * scale ? "reached" : deviation <= limits.reached * scale ? "near" : "missed";
+    return deviation <= tolerance ? "reached" : deviation <= limits.reached * scale ? "near" : "missed";
   });
 }
 
 /** Whether each sample says nothing about the design: it is near rest, and the target is within the tolerance of 0 and reached. */
 function trivialSamples({ task, x, target }: JudgedCurve, own: readonly Fit[]): readonly boolean[] {
-  const tolerance = limits.sample * scaleOf({ task, target });
+  const tolerance = toleranceOf({ task, target });
   const rest = MAX_REST_FRACTION * Math.max(Math.abs(x[0]), Math.abs(x[x.length - 1]));
   return own.map((fit, k) => fit === "reached" && !isPolar(task) && Math.abs(x[k]) <= rest && Math.abs(target[k]) <= tolerance);
 }

@@ -13,6 +13,8 @@ export interface TargetVerdict {
   readonly reached: number;
   readonly deviation: number | null;
   readonly ranges: readonly FitRange[];
+  /** Whether it is reached as a whole: by its deviation, or because each sample is reached. */
+  readonly isReached: boolean;
 }
 
 export interface VerdictFacts {
@@ -89,8 +91,10 @@ function targetSentence({ task, ranges: all, reached, samples }: TargetVerdict):
   return filled(words.further.many_ranges, { reached, samples, place: placeOf(worst), deviation: deviationWords(worst.deviation) });
 }
 
-function headingOf({ grade, doubt }: VerdictFacts): Heading {
+function headingOf({ grade, doubt, deviation }: VerdictFacts): Heading {
   if (doubt !== "none") return doubt;
+  // Poisson's ratios near 0 are reached although they are far off relative to the target.
+  if (grade === "reached" && (deviation ?? 0) > limits.reached) return "reached_within";
   return grade === "reached" || grade === "close" ? grade : "missed";
 }
 
@@ -102,7 +106,7 @@ function trustSentence({ source, doubt, untrusted, samples }: VerdictFacts): str
 /** For example "Simulated: 45 % off. The plateau is reached from 8 to 20 %, the rise is missed from 0 to 8 % (62 % off)." */
 export function verdictSentence(verdict: VerdictFacts): string {
   const { source, doubt, deviation, modelDeviation, targets, worst } = verdict;
-  const sentences = [filled(words.heading[headingOf(verdict)], { source: words.source[source], deviation: deviationWords(deviation) })];
+  const sentences = [filled(words.heading[headingOf(verdict)], { source: words.source[source], deviation: deviationWords(deviation), tolerance: limits.poisson_sample })];
   if (doubt === "nothing") {
     if (modelDeviation !== null) sentences.push(filled(words.further.by_model, { deviation: deviationWords(modelDeviation) }));
   } else if (doubt !== "untrusted") {
