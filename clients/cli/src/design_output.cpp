@@ -151,10 +151,11 @@ void print_structure(const nlohmann::json& material, const nlohmann::json& struc
   fmt::print("\n");
 }
 
-/// The verdict in the server's words.
+/// The verdict in the server's words, and what no material can have; older servers do not tell the latter.
 void print_verdict(const nlohmann::json& verdict) {
   const auto sentence = text_in(verdict, "sentence");
   fmt::print("{}\n", styled(sentence, text_in(verdict, "grade") == "reached" ? Style::success : Style::warning));
+  if (const auto bound = verdict.value("bound", ""); !bound.empty()) fmt::print("{}\n", bound);
 }
 
 /// What would help where the target is missed; older servers do not tell.
@@ -231,6 +232,13 @@ std::vector<nlohmann::json> profiles_in(const nlohmann::json& design) {
   return profiles;
 }
 
+nlohmann::json nearest_possible(const nlohmann::json& profile) {
+  const auto bound = profile.find("bound");
+  if (bound == profile.end() || bound->is_null()) return nullptr;
+  const auto& together = bound->at("together");
+  return together.is_null() ? *bound : together;
+}
+
 std::string numbered_file(const std::string& file, std::size_t index, std::size_t count) {
   if (count == 1 || file == "-") return file;
   const std::filesystem::path path(file);
@@ -239,7 +247,8 @@ std::string numbered_file(const std::string& file, std::size_t index, std::size_
 }
 
 std::string designs_as_csv(const nlohmann::json& answer) {
-  std::string text = "region,profile,task,x,target,achieved,error_bar,initial,verified,lower,upper,reached,in_range\n";
+  std::string text =
+      "region,profile,task,x,target,achieved,error_bar,initial,verified,lower,upper,reached,in_range,bound\n";
   const auto designs = designs_in(answer);
   for (std::size_t r = 0; r < designs.size(); ++r) {
     const auto profiles = profiles_in(designs[r]);
@@ -254,7 +263,8 @@ std::string designs_as_csv(const nlohmann::json& answer) {
         for (const char* name : {"lower", "upper"})
           text += ',' + (envelope.is_null() ? "" : cell_text(envelope.at(name)[i]));
         for (const char* name : {"reached", "in_range"}) text += ',' + cell_text(profile.at(name)[i]);
-        text += '\n';
+        const auto bound = nearest_possible(profile);
+        text += ',' + (bound.is_null() ? "" : cell_text(bound.at("y")[i])) + '\n';
       }
     }
   }

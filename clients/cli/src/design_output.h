@@ -22,6 +22,10 @@ std::vector<std::size_t> worst_first(const std::vector<nlohmann::json>& designs)
 /// What to call the region of a design, which is the `index`-th of several.
 std::string region_words(const nlohmann::json& design, std::size_t index);
 
+/// The nearest that any material comes to the profile's target at rest, or to all targets of the design together if
+/// there are several: an object with `deviation` and `y`. Null if there is none; older servers do not tell.
+nlohmann::json nearest_possible(const nlohmann::json& profile);
+
 /// The name of one of several files: "name-2.svg" for the second; `file` itself if there is only one.
 std::string numbered_file(const std::string& file, std::size_t index, std::size_t count);
 

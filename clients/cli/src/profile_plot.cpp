@@ -17,6 +17,7 @@ namespace {
 
 using std::numbers::pi;
 
+constexpr double legend_line_height = 18;
 /// Largest number of panels side by side.
 constexpr std::size_t panels_per_row = 3;
 
@@ -26,6 +27,10 @@ constexpr auto target_color = "#f3b562";
 constexpr auto achieved_color = "#1f4e9c";
 constexpr auto initial_color = "#98a4ae";
 constexpr auto verified_color = "#c2362f";
+constexpr auto bound_color = "#6b7680";
+constexpr auto bound_dashes = " stroke-dasharray=\"9 3 1.5 3\"";
+/// Deviation from the target above which the nearest profile that a material can have is drawn.
+constexpr double min_drawn_bound = 0.01;
 
 /// How much the envelope may extend the range of y on either side at most, as a fraction of the range of the curves.
 constexpr double envelope_fraction = 0.35;
@@ -33,7 +38,8 @@ constexpr double envelope_fraction = 0.35;
 /// The range of the curves and, up to envelope_fraction, of the envelope.
 Range range_of_y(const ProfilePlot& plot) {
   Range range;
-  for (const auto* curve : {&plot.target, &plot.initial, &plot.achieved, &plot.verified}) range.add(*curve);
+  for (const auto* curve : {&plot.target, &plot.initial, &plot.achieved, &plot.bound, &plot.verified})
+    range.add(*curve);
   range = widened(range);
   Range wide = range;
   wide.add(plot.lower);
@@ -84,6 +90,7 @@ std::string curves(const ProfilePlot& plot, const Frame& frame) {
   std::string out = stroke(path_of(frame, plot.x, plot.initial), initial_color, 1.6, " stroke-dasharray=\"5 4\"");
   out += stroke(path_of(frame, plot.x, plot.target), target_color, 7,
                 " stroke-linecap=\"round\" stroke-linejoin=\"round\"");
+  out += stroke(path_of(frame, plot.x, plot.bound), bound_color, 1.8, bound_dashes);
   out += stroke(path_of(frame, plot.x, plot.achieved), achieved_color, 2.2, " stroke-linejoin=\"round\"");
   out += dots_of(plot, frame);
   for (std::size_t i = 0; i < plot.verified.size(); ++i) {
@@ -121,6 +128,11 @@ std::string legend(const ProfilePlot& plot, double y) {
                        text_at({31, 4}, entry.name, "start", 12, ink));
     x += 50 + 6.4 * static_cast<double>(std::string(entry.name).size());
   }
+  // It has a line of its own, beside the circles of directions.
+  if (!plot.bound.empty())
+    out += fmt::format("<g transform=\"translate({:.1f} {:.1f})\">{}{}</g>\n", margin_left, y + legend_line_height,
+                       sample(bound_color, 1.8, bound_dashes),
+                       text_at({31, 4}, "nearest that any material can have at rest", "start", 12, ink));
   return out;
 }
 
@@ -204,6 +216,8 @@ std::vector<ProfilePlot> plots_of_designs(const nlohmann::json& answer) {
         plot.lower = values_of(envelope.at("lower"));
         plot.upper = values_of(envelope.at("upper"));
       }
+      if (const auto bound = nearest_possible(profile); !bound.is_null() && bound.at("deviation") > min_drawn_bound)
+        plot.bound = values_of(bound.at("y"));
       if (const auto& verified = profile.at("verified"); !verified.is_null()) {
         plot.verified_x = values_of(verified.at("x"));
         plot.verified = values_of(verified.at("y"));

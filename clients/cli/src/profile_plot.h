@@ -21,6 +21,7 @@ struct ProfilePlot {
   std::vector<bool> in_range;  ///< whether the model was trained on such an achieved value
   std::vector<double> lower;   ///< envelope of what the family can achieve
   std::vector<double> upper;
+  std::vector<double> bound;  ///< nearest that any material can have at rest; empty if it is the target, or unknown
   std::vector<double> verified_x;
   std::vector<double> verified;
 };
