@@ -13,11 +13,13 @@ import numpy as np
 
 from ._arrays import Array, Flags
 from .answers import Cost, Effect
-from .drawing import ORANGE, RED, Band, Drawing, Line, curve, error_band
+from .drawing import GREY, ORANGE, RED, Band, Drawing, Line, curve, error_band
 from .shown import Drawn, Shown, short_text
 from .wire import ACCURACY, At
 
 Name = Annotated[str, At("/name", missing="")]
+DRAWN_BOUND = 0.01
+"""Deviation from the target above which the nearest profile that a material can have is drawn."""
 
 
 def profile_drawing(task: str, over_strains: bool, lines: Tuple[Line, ...], bands: Tuple[Band, ...] = ()) -> Drawing:
@@ -84,12 +86,15 @@ class Verdict(Shown):
         source: "simulation" or "model".
         deviation: relative root mean square deviation of the worst target; None if a value is missing.
         sentence: the verdict in words, with the parts of the target that are reached.
+        bound: what no material can have at rest of the targets that are missed, in words, such as "No material at rest comes
+            nearer than 7 % to it."; empty if some material reaches them, or the design comes nearer.
     """
 
     grade: str
     source: str
     deviation: Optional[float]
     sentence: str
+    bound: Annotated[str, At(missing="")]
 
 
 @dataclass(frozen=True, repr=False)
@@ -98,7 +103,8 @@ class FitRange(Shown):
 
     Attributes:
         from_, to: strains or angles at which it begins and ends.
-        reached: whether each of its samples is within the band, or exceeds it by at most 1 % of the target's root mean square.
+        reached: whether each of its samples is within the band, or exceeds it by at most 1 % of the target's root mean square,
+            for Poisson's ratios by at most 0.02 if that is more.
         deviation: its root mean square over that of the whole target; None if the simulation misses a sample of it.
     """
 
@@ -153,6 +159,35 @@ class Polish(Shown):
 
 
 @dataclass(frozen=True, repr=False)
+class PossibleProfile(Shown):
+    """A profile that a material has at rest.
+
+    Attributes:
+        deviation: its deviation from the target, as `DesignError.relative_rms`.
+        y: its values, shape (n,), MPa or dimensionless.
+    """
+
+    deviation: float
+    y: Array
+
+
+@dataclass(frozen=True, repr=False)
+class MaterialBound(PossibleProfile):
+    """The nearest that any material comes to a target at rest, whatever its structure; strain loosens it.
+
+    Stiffness and Poisson's ratio over direction follow from one symmetric and positive definite compliance.
+
+    Attributes:
+        deviation: least deviation from this target alone, as `DesignError.relative_rms`.
+        y: values of the material that is nearest to it, shape (n,), MPa or dimensionless.
+        together: the same for the one material that is nearest to all targets of the design that have a bound; None if there is
+            no other.
+    """
+
+    together: Optional[PossibleProfile]
+
+
+@dataclass(frozen=True, repr=False)
 class DesignProfile(Drawn):
     """A target and the profiles of designs, at n samples.
 
@@ -170,11 +205,12 @@ class DesignProfile(Drawn):
         in_range: whether each sample of `achieved` can be trusted: it is within what the model was trained on, and its error
             bar is at most 5 % of a stress, 10 % of a stiffness, 0.1 for a Poisson's ratio, shape (n,).
         reached: whether `achieved` is within the band of each sample, or exceeds it by at most 1 % of the target's root mean
-            square.
+            square, for Poisson's ratios by at most 0.02 if that is more.
         ranges: the parts of the target, from its first sample to its last one or over half a turn of directions: which are
             reached, by the simulation if there is one.
         lower, upper: least and greatest values over all designs that the search evaluated, shape (n,); None if there are none.
         verified: None if no simulation was requested.
+        bound: the nearest that any material comes to the target at rest; None for stresses, and for strains beyond 0.05.
     """
 
     task: str
@@ -192,6 +228,7 @@ class DesignProfile(Drawn):
     lower: Annotated[Optional[Array], At("/envelope/lower")]
     upper: Annotated[Optional[Array], At("/envelope/upper")]
     verified: Optional[Verification]
+    bound: Annotated[Optional[MaterialBound], At(missing=None)]
 
     def _drawing(self) -> Drawing:
         lines = [curve(self.x, self.target, color=ORANGE, label="target", width=4)]
@@ -200,6 +237,9 @@ class DesignProfile(Drawn):
         if self.verified is not None:
             marks = over_strains
             lines.append(curve(self.verified.x, self.verified.y, color=RED, label="simulated", marks=marks, dashed=not marks))
+        nearest = None if self.bound is None else self.bound.together or self.bound
+        if nearest is not None and nearest.deviation > DRAWN_BOUND:
+            lines.append(curve(self.x, nearest.y, color=GREY, label="nearest that any material can have at rest", dashed=True))
         return profile_drawing(self.task, over_strains, tuple(lines), error_band(self.x, self.achieved, self.error_bar))
 
 
@@ -359,6 +399,8 @@ class Design(Drawn):
         ranking = "; ".join(f"{one.family}: {one._deviation_text()}" for one in self.ranking)
         first = [("deviation", _deviation_text(self.verdict)), ("parameters", short_text(self.parameters)),
                  ("family", short_text(self.family)), ("verdict", short_text(self.verdict.grade)), ("ranking", ranking)]
+        if self.verdict.bound:
+            first.append(("bound", self.verdict.bound))
         return first + [entry for entry in super()._shown() if entry[0] not in dict(first)]
 
     def _drawing(self) -> Drawing:

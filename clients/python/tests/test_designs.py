@@ -20,14 +20,15 @@ ERROR = {"relative_rms": 0.02, "max": 0.3}
 def profile_document(**more: Any) -> Dict[str, Any]:
     return {"task": "stress_strain", "direction": 0.5, "strain_measure": "green", "x": [0, 0.1], "target": [0, 1],
             "initial": [None, 2], "achieved": [0, 1.02], "error_bar": None, "verified": None, "in_range": [True, False],
-            "reached": [True, False], "envelope": None,
+            "reached": [True, False], "envelope": None, "bound": None,
             "ranges": [{"from": 0, "to": 0.05, "reached": True, "deviation": 0.0},
                        {"from": 0.05, "to": 0.1, "reached": False, "deviation": None}], **more}
 
 
 def design_document(**more: Any) -> Dict[str, Any]:
     return {"family": "IH21", "model": "ih21", "sha256": "0", "parameters": [0.15, 0.65], "profile": profile_document(),
-            "verdict": {"grade": "reached", "source": "model", "deviation": 0.02, "sentence": "By the model: reached, 2 % off."},
+            "verdict": {"grade": "reached", "source": "model", "deviation": 0.02, "sentence": "By the model: reached, 2 % off.",
+                        "bound": ""},
             "also": [], "error": ERROR, "reached": False, "iterations": 7, "starts": 2, "stopped": "converged", "message": "m",
             "polish": None, "ways_out": [], "ranking": [{"family": "IH21", "model": "ih21", "parameters": [0.15, 0.65], "error": ERROR,
                          "model_error": None, "simulated_error": None, "stopped": "converged",
@@ -114,6 +115,33 @@ def test_a_missed_design_tells_what_would_help() -> None:
     assert decode(DesignResult, {**design_document(), **BILL}).ways_out == ()
     older = {name: value for name, value in design_document().items() if name != "ways_out"}
     assert decode(DesignResult, {**older, **BILL}).ways_out == (), "of a server that does not know ways out"
+
+
+def test_a_design_tells_how_near_any_material_comes() -> None:
+    possible = {"deviation": 0.07, "y": [0.5, 0.75]}
+    sentence = "No material at rest comes nearer than 7 % to it."
+    verdict = {"grade": "missed", "source": "model", "deviation": 0.3, "sentence": "By the model: 30 % off.", "bound": sentence}
+
+    def found_with(bound: Any) -> DesignResult:
+        profile = {**profile_document(bound=bound, task="stiffness", strain=0.05), "direction": None}
+        return decode(DesignResult, {**design_document(profile=profile, verdict=verdict), **BILL})
+
+    alone = found_with({**possible, "together": None})
+    assert alone.profile.bound is not None and alone.profile.bound.deviation == 0.07 and alone.profile.bound.together is None
+    assert alone.profile.bound.y.tolist() == [0.5, 0.75]
+    assert alone.verdict.bound == sentence and ("bound", sentence) in alone._shown()
+    both = found_with({**possible, "together": {"deviation": 0.2, "y": [0.25, 1]}})
+    assert both.profile.bound is not None and both.profile.bound.together is not None
+    assert both.profile.bound.together.deviation == 0.2
+    for found, y in ((alone, [0.5, 0.75]), (both, [0.25, 1])):
+        (line,) = [line for line in found._drawing().lines if line.label == "nearest that any material can have at rest"]
+        assert line.points[:, 1].tolist() == y
+    close = found_with({"deviation": 0.001, "y": [0.0, 1.0], "together": None})
+    assert len(close._drawing().lines) == 2, "a curve on that of the target is not drawn"
+    older = {name: value for name, value in profile_document().items() if name != "bound"}
+    old_verdict = {name: value for name, value in verdict.items() if name != "bound"}
+    old = decode(DesignResult, {**design_document(profile=older, verdict=old_verdict), **BILL})
+    assert old.profile.bound is None and old.verdict.bound == "", "of a server that does not know bounds"
 
 
 def test_everything_that_is_given_is_sent() -> None:
