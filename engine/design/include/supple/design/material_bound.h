@@ -52,10 +52,10 @@ struct MaterialBounds {
 bool is_bounded(const SampledTarget& target);
 
 /// The profiles of stiffness and Poisson's ratio that come nearest to targets, of all that a material can have at rest.
-/// Both follow from one compliance. That of a structure is at least that of its solid, `min_compliance` (the difference
-/// is positive semidefinite), since voids only add compliance; zero stands for a solid that is as stiff as needed, with
-/// which every compliance is possible [Milton1995]. Poisson's ratios alone do not depend on the scale of the stiffness,
-/// and have the same bound for every solid.
+/// Both follow from one compliance. A structure's compliance is at least that of its solid, `min_compliance` (the
+/// difference is positive semidefinite), since voids only add compliance; zero stands for a solid that is as stiff as
+/// needed, with which every compliance is possible [Milton1995]. Poisson's ratios alone do not depend on the scale of
+/// the stiffness, and have the same bound for every solid.
 ///
 /// The unknowns are the six entries of L in S = min_compliance + L L^T. Newton's method minimizes the mean squared
 /// deviation from two starts. A local minimum is the deviation of a material, but need not be the least one; in tests
