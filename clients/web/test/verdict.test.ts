@@ -2,7 +2,7 @@ import { describe, expect, it, vi } from "vitest";
 import { samples } from "../../../api/verdicts.json";
 import type { Profile } from "../src/contract/types";
 import { shownGrade } from "../src/design/judged";
-import { profileResponses, type TargetResponse } from "../src/design/shown";
+import { profileResponses, type TargetResponse, withBoundOf } from "../src/design/shown";
 import { spaced } from "../src/design/spline";
 import { type ControlPoint, DEFAULT_STATE, type DesignState } from "../src/design/state";
 import { type CurveEvidence, judge, judgeAll, verdictFacts } from "../src/design/verdict";
@@ -210,10 +210,18 @@ describe("the server's verdict", () => {
   const answered = { grade: "missed", source: "model", deviation: 0.3, sentence: "By the model: 30 % off, with a band." } as const;
 
   it("says what no material can have where the target is missed", () => {
-    const bound = "No material at rest comes nearer than 7 % to it.";
-    expect(judge(scaled(1.3, { answered: { ...answered, bound } }), null).bound).toBe(bound);
-    expect(judge(scaled(1.3, { answered }), null).bound).toBe("");
-    expect(judge(scaled(1.3, { answered: { ...answered, bound } }), null, simulatedAs(1.02)).bound).toBe("");
+    const bound = { deviation: 0.07, x: X, y: X, sentence: "No material at rest comes nearer than 7 % to it." };
+    expect(judge(scaled(1.3, { bound }), null).bound).toBe(bound.sentence);
+    expect(judge(scaled(1.3), null).bound).toBe("");
+    expect(judge(scaled(1.3, { bound }), null, simulatedAs(1.02)).bound).toBe("");
+  });
+
+  it("about materials holds for the same target while parameters are set by hand", () => {
+    const bound = { deviation: 0.07, x: X, y: X, sentence: "No material at rest comes nearer than 7 % to it." };
+    const [before, now] = [scaled(1.3, { bound }), scaled(1.2)];
+    expect(withBoundOf(now, before).bound).toBe(bound);
+    expect(withBoundOf({ ...now, targets: now.targets.map((target) => ({ ...target, points: [...target.points].reverse() })) }, before).bound).toBeNull();
+    expect(withBoundOf(now, null).bound).toBeNull();
   });
 
   it("is what is said of a design that it has judged, unless the page knows of a simulation", () => {

@@ -204,7 +204,7 @@ export class PlotPanel {
       provisional: shown?.provisional ?? false,
       previous: previous && sameProfile(previous, state) ? previous : null,
       envelope: fits ? envelope : null,
-      bound: shown?.bound && shown.points === state.points && shown.bound.deviation > limits.sample ? { x: shown.x, y: shown.bound.y } : null,
+      bound: shown?.bound && shown.points === state.points && shown.bound.deviation > limits.sample ? shown.bound : null,
       uncertainty: shown && errorBand(shown, modelError(this.session.catalogue.model(shown.found.family), shown)),
       verified: this.verification.simulated?.curve ?? null,
       rounds: this.verification.rounds.list.get().flatMap(({ curve, isBest }) => (curve ? [{ ...curve, isBest }] : [])),

@@ -3,8 +3,8 @@ import type { Curve } from "../base/curve";
 import { Observable } from "../base/observable";
 import type { Design, DesignAnswer, DesignCandidate } from "../contract/types";
 import { regionsOf } from "./region_list";
-import { type CostedDesign, designResponses, type Envelope, freshness, kindOf, type Requirements, requirementsOf, sameRequirements, sameTilingDesign,
-  type TargetResponse } from "./shown";
+import { type CostedDesign, designResponses, type Envelope, freshness, kindOf, type Requirements, requirementsOf, sameRequirements, sameTilingDesign, type TargetResponse,
+  withBoundOf } from "./shown";
 import { type DesignState, type ProfileKind, type Region, sameProfile } from "./state";
 import { askedOrder, targetsOf } from "./target_list";
 
@@ -108,7 +108,8 @@ export class Results {
   /** Shows the responses of a design whose parameters were set by hand. */
   acceptByHand(all: readonly TargetResponse[], asked: DesignState): void {
     this.dropOtherRanking(asked);
-    this.show(all);
+    const before = this.all.get();
+    this.show(all.map((response, place) => withBoundOf(response, before[place] ?? null)));
   }
 
   /** Shows the response of the best design so far of a running search. */

@@ -1,5 +1,5 @@
 // The responses of a design to its targets, in the form that plot, cards and exports show. They are made from several kinds of answers.
-import type { Design, DesignCandidate, DesignStop, Effect, Model, PartialDesign, Profile, StructureAnswer } from "../contract/types";
+import type { Design, DesignCandidate, DesignProfile, DesignStop, Effect, Model, PartialDesign, Profile, StructureAnswer } from "../contract/types";
 import { foundSpecification, isRange, searchesModulus, type Specification, materialOf, modulusOf, orientationOf, sameSpecification } from "./specification";
 import { type TilingDesign, isPolar, type ProfileKind, sameProfile, type Region, type Target } from "./state";
 import { relativeDeviation, targetCurve } from "./spline";
@@ -50,15 +50,16 @@ export interface AnsweredVerdict {
   /** Deviation from the worst target; null if a value is missing. */
   readonly deviation: number | null;
   readonly sentence: string;
-  /** What no material can have at rest; empty if some material reaches the targets. */
-  readonly bound?: string;
 }
 
 /** The nearest that any material comes to a target at rest; to all targets of the design together, where there are several. */
 export interface NearestPossible {
   /** Relative root mean square deviation from the target. */
   readonly deviation: number;
+  readonly x: readonly number[];
   readonly y: readonly number[];
+  /** What no material can have at rest of the design's targets, in the server's words; empty if some material reaches them. */
+  readonly sentence: string;
 }
 
 /** The response of a design to one of its targets. */
@@ -92,7 +93,7 @@ export interface TargetResponse extends Target, Requirements {
   readonly provisional: boolean;
   /** Optional parts of the computation. */
   readonly effects?: readonly Effect[];
-  /** Null for profiles that have no bound, and for designs that were set by hand. */
+  /** Null for profiles that have no bound, and where no search has told it. */
   readonly bound: NearestPossible | null;
   /** The server's verdict on the design; null for one that was set by hand or is not final. */
   readonly answered: AnsweredVerdict | null;
@@ -225,6 +226,16 @@ function measuresOf({ material, orientation, structure }: CostedDesign): Measure
   };
 }
 
+function nearestPossible({ verdict }: CostedDesign, { x, bound }: DesignProfile): NearestPossible | null {
+  const nearest = bound && (bound.together ?? bound);
+  return nearest ? { deviation: nearest.deviation, x, y: nearest.y, sentence: verdict.bound } : null;
+}
+
+/** The response to a target with what an earlier search has told of the same target and its material. */
+export function withBoundOf(response: TargetResponse, before: TargetResponse | null): TargetResponse {
+  return response.bound === null && before && sameRequirements(before, response) ? { ...response, bound: before.bound } : response;
+}
+
 /** The responses of a design that was found, to all targets in the order of the tabs. */
 export function designResponses(answer: CostedDesign, asked: Region): readonly TargetResponse[] {
   const targets = targetsOf(asked);
@@ -257,7 +268,7 @@ export function designResponses(answer: CostedDesign, asked: Region): readonly T
       byHand: false,
       provisional: false,
       ...(answer.effects && { effects: answer.effects }),
-      bound: profile.bound ? (profile.bound.together ?? profile.bound) : null,
+      bound: nearestPossible(answer, profile),
       answered: (answer as { verdict?: AnsweredVerdict }).verdict ?? null,
     };
   });

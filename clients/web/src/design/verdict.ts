@@ -27,7 +27,7 @@ export interface Judgement {
 /** Errors of a model up to this fraction of the target are small. */
 const SMALL_ERROR = 0.05;
 
-type JudgedResponse = Pick<TargetResponse, "x" | "achieved" | "target" | "errorBar" | "inRange" | "task" | "points" | "interpolation" | "answered">;
+type JudgedResponse = Pick<TargetResponse, "x" | "achieved" | "target" | "errorBar" | "inRange" | "task" | "points" | "interpolation" | "bound" | "answered">;
 
 /**
  * The two models from which the initial target is made: the first one, and the one of the others with the shortest error bars of the
@@ -138,7 +138,7 @@ export function judgeAll(all: readonly JudgedEvidence[]): Judgement {
     isWithinError,
     words: isWithinError ? "Within the model’s error" : source === "simulation" ? `${words.source.simulation}: ${gradeWords(grade).toLowerCase()}` : gradeWords(grade),
     sentence: isAnswered ? answered.sentence : verdictSentence(facts),
-    bound: grade === "reached" ? "" : (answered?.bound ?? ""),
+    bound: grade === "reached" ? "" : (all.map(({ shown }) => shown.bound?.sentence).find((words) => words) ?? ""),
   };
 }
 
