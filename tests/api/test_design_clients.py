@@ -349,7 +349,8 @@ def test_python_finds_a_known_design(client: supple.Client, designs: Api) -> Non
     assert result.profile.lower is not None and (result.profile.lower <= result.profile.achieved).all()
     assert result.profile.verified is None and result.profile.strain is None and result.profile.direction == 0.3
     assert {effect.name for effect in result.effects} == {
-        "trust", "multi_start", "envelope", "modulus", "orientation", "limits", "verification", "polish", "ways_out"}
+        "trust", "multi_start", "envelope", "modulus", "orientation", "limits", "verification", "polish", "beam_width_sensitivity",
+        "ways_out"}
     assert result.polish is None and result.residual <= result.equilibrium_tolerance and result.cost.quantities["evaluations"] > 0
 
 

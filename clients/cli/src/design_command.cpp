@@ -50,6 +50,7 @@ struct DesignArguments {
   std::string envelope;
   std::string polish;
   std::string ways_out;
+  std::string beam_width_sensitivity;
   double polish_tolerance = 0;
   int polish_rounds = 0;
   double polish_seconds = 0;
@@ -189,6 +190,8 @@ nlohmann::json request_of(const DesignArguments& arguments, Session& session) {
   if (!arguments.envelope.empty()) request["effects"]["envelope"] = arguments.envelope;
   if (!arguments.polish.empty()) request["effects"]["polish"] = arguments.polish;
   if (!arguments.ways_out.empty()) request["effects"]["ways_out"] = arguments.ways_out;
+  if (!arguments.beam_width_sensitivity.empty())
+    request["effects"]["beam_width_sensitivity"] = arguments.beam_width_sensitivity;
   set_text(request, "session", arguments.session);
   set_number(request, "deadline", arguments.deadline);
   return request;
@@ -319,6 +322,12 @@ void add_search_options(CLI::App& command, DesignArguments& arguments) {
   command
       .add_option("--ways-out", arguments.ways_out,
                   "Seek what helps where the target is missed, which takes up to 10 s (automatic)")
+      ->check(switch_values);
+  command
+      .add_option(
+          "--beam-width-sensitivity", arguments.beam_width_sensitivity,
+          "Say how much beams that are 5 % wider or narrower change the profile (automatic: where the design is "
+          "simulated)")
       ->check(switch_values);
   command
       .add_option("--polish-tolerance", arguments.polish_tolerance,

@@ -174,6 +174,19 @@ std::pair<bool, double> badness(const nlohmann::json& design) {
           deviation.is_null() ? std::numeric_limits<double>::infinity() : deviation.get<double>()};
 }
 
+/// How much a profile changes with the beam width; older servers do not tell.
+void print_beam_width_sensitivity(const nlohmann::json& profile) {
+  const auto found = profile.find("beam_width_sensitivity");
+  if (found == profile.end() || found->is_null()) return;
+  const auto change = [&](const char* side) {
+    const auto& value = found->at(side);
+    return value.is_null() ? std::string("there is no structure") : fmt::format("{:.2g} %", 100 * value.get<double>());
+  };
+  fmt::print("beam width  {} at rest with beams 5 % wider: {}, 5 % narrower: {}\n",
+             profile.at("task") == "stress_strain" ? "changes the modulus" : "changes the profile", change("wider"),
+             change("narrower"));
+}
+
 void print_design(const nlohmann::json& design) {
   print_verdict(design.at("verdict"));
   const auto& error = design.at("error");
@@ -191,6 +204,7 @@ void print_design(const nlohmann::json& design) {
     if (const auto& mesh = verified.at("discretization_error"); !mesh.is_null())
       fmt::print("mesh        makes an error of less than about {:.2g} %\n", 100 * mesh.get<double>());
   }
+  print_beam_width_sensitivity(profile);
   if (const auto& polish = design.at("polish"); !polish.is_null()) print_polish(polish);
   fmt::print("searched    {} iterations from {} starting points, {}\n", design.at("iterations").get<int>(),
              design.at("starts").get<int>(), text_in(design, "stopped"));

@@ -46,6 +46,7 @@ from .answers import (
 from .checks import LikelyDegrees
 from .client import Client
 from .design_answers import (
+    BeamWidthSensitivity,
     Design,
     DesignCandidate,
     DesignError,
@@ -181,7 +182,7 @@ from .weaves import (
 __version__ = "0.1.0"
 
 __all__ = [
-    "AccessDenied", "AdjacentFaces", "Biaxial", "CellMesh", "Client", "ConnectionFailed", "Cost", "Crossing",
+    "AccessDenied", "AdjacentFaces", "BeamWidthSensitivity", "Biaxial", "CellMesh", "Client", "ConnectionFailed", "Cost", "Crossing",
     "CrossingMember", "CurveNote", "DeadlineExceeded", "DeformedCell", "DeformedPatch", "Design", "DesignCandidate",
     "DesignError", "DesignOptions", "DesignProfile", "DesignRequest", "DesignResult", "DiscretizationError", "Drawing",
     "DrawingRequest", "DrawnPolygon", "Effect", "ErrorStatistics", "Evaluation", "EvaluationRequest", "ExponentialMap",

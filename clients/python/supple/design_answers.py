@@ -188,6 +188,18 @@ class MaterialBound(PossibleProfile):
 
 
 @dataclass(frozen=True, repr=False)
+class BeamWidthSensitivity(Shown):
+    """Relative changes of a profile at rest if all beams are 5 % wider or narrower; for stress over strain of the initial modulus.
+
+    Attributes:
+        wider, narrower: root mean square of the change over that of the profile; None if there is no such structure.
+    """
+
+    wider: Optional[float]
+    narrower: Optional[float]
+
+
+@dataclass(frozen=True, repr=False)
 class DesignProfile(Drawn):
     """A target and the profiles of designs, at n samples.
 
@@ -211,6 +223,7 @@ class DesignProfile(Drawn):
         lower, upper: least and greatest values over all designs that the search evaluated, shape (n,); None if there are none.
         verified: None if no simulation was requested.
         bound: the nearest that any material comes to the target at rest; None for stresses, and for strains beyond 0.05.
+        beam_width_sensitivity: how much the profile changes with the beam width; None if that was not computed.
     """
 
     task: str
@@ -229,6 +242,7 @@ class DesignProfile(Drawn):
     upper: Annotated[Optional[Array], At("/envelope/upper")]
     verified: Optional[Verification]
     bound: Annotated[Optional[MaterialBound], At(missing=None)]
+    beam_width_sensitivity: Annotated[Optional[BeamWidthSensitivity], At(missing=None)]
 
     def _drawing(self) -> Drawing:
         lines = [curve(self.x, self.target, color=ORANGE, label="target", width=4)]
@@ -416,7 +430,7 @@ class DesignResult(Design):
         tolerance, equilibrium_tolerance: as requested.
         residual: largest residual of the design's equilibria.
         effects: "trust", "multi_start", "envelope", "modulus", "orientation", "limits", "verification",
-            "polish" and "ways_out".
+            "polish", "beam_width_sensitivity" and "ways_out".
     """
 
     tolerance: Annotated[float, ACCURACY]

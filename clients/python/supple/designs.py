@@ -102,6 +102,8 @@ class DesignOptions(Sent):
             "off", or "automatic", which polishes a design that is verified.
         ways_out: whether changes are looked for with which a missed target is reached (`Design.ways_out`): "automatic", which
             does so if the design deviates by more than 5 % and the request has no `session`, "on" or "off". It takes up to 10 s.
+        beam_width_sensitivity: whether the answer says how much the profile changes with the beam width
+            (`DesignProfile.beam_width_sensitivity`): "automatic", which does so for designs that are simulated, "on" or "off".
     """
 
     tolerance: Annotated[Optional[Number], ACCURACY, RATIO] = None
@@ -118,6 +120,7 @@ class DesignOptions(Sent):
     polish_seconds: Annotated[Optional[Number], ACCURACY, DURATION] = None
     trust: Annotated[Optional[str], EFFECT] = None
     ways_out: Annotated[Optional[str], EFFECT] = None
+    beam_width_sensitivity: Annotated[Optional[str], EFFECT] = None
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ ERROR = {"relative_rms": 0.02, "max": 0.3}
 def profile_document(**more: Any) -> Dict[str, Any]:
     return {"task": "stress_strain", "direction": 0.5, "strain_measure": "green", "x": [0, 0.1], "target": [0, 1],
             "initial": [None, 2], "achieved": [0, 1.02], "error_bar": None, "verified": None, "in_range": [True, False],
-            "reached": [True, False], "envelope": None, "bound": None,
+            "reached": [True, False], "envelope": None, "bound": None, "beam_width_sensitivity": None,
             "ranges": [{"from": 0, "to": 0.05, "reached": True, "deviation": 0.0},
                        {"from": 0.05, "to": 0.1, "reached": False, "deviation": None}], **more}
 
@@ -144,13 +144,21 @@ def test_a_design_tells_how_near_any_material_comes() -> None:
     assert old.profile.bound is None and old.verdict.bound == "", "of a server that does not know bounds"
 
 
+def test_a_design_tells_how_sensitive_it_is_to_the_beam_width() -> None:
+    profile = profile_document(beam_width_sensitivity={"wider": 0.12, "narrower": None})
+    found = decode(DesignResult, {**design_document(profile=profile), **BILL}).profile.beam_width_sensitivity
+    assert found is not None and found.wider == 0.12 and found.narrower is None
+    older = {name: value for name, value in profile_document().items() if name != "beam_width_sensitivity"}
+    assert decode(DesignResult, {**design_document(profile=older), **BILL}).profile.beam_width_sensitivity is None
+
+
 def test_everything_that_is_given_is_sent() -> None:
     target = Target("stress_strain", [(0, 0), (0.1, 1)], direction=0.5, strain_measure="engineering", interpolation="linear",
                     weights=[1, 2], bands=(0, 0.1), samples=5, weight=2)
     also = Target("stiffness", [(0, 1), (1, 2)], strain=0.02)
     problem: Dict[str, Any] = {"target": target, "name": "heel", "family": "IH21", "also": [also], "initial": np.array([0.15, 0.65]),
                                "fixed": [None, 0.65]}
-    options = DesignOptions(1e-7, 1e-11, 9, 3, 32, 4, "on", "off", "on", 0.01, 7, 50, "off", "on")
+    options = DesignOptions(1e-7, 1e-11, 9, 3, 32, 4, "on", "off", "on", 0.01, 7, 50, "off", "on", "off")
     document = DesignRequest(**problem, options=options, verify=True, session="s", deadline=7.0).to_wire()
     assert document == {
         "task": "stress_strain", "direction": 0.5, "strain_measure": "engineering", "samples": 5, "weight": 2,
@@ -160,7 +168,7 @@ def test_everything_that_is_given_is_sent() -> None:
         "deadline": 7.0, "accuracy": {"tolerance": 1e-7, "equilibrium_tolerance": 1e-11, "max_iterations": 9, "starts": 3,
                                       "candidates": 32, "verified_samples": 4, "polish_tolerance": 0.01, "polish_rounds": 7,
                                       "polish_seconds": 50},
-        "effects": {"trust": "off", "multi_start": "on", "envelope": "off", "polish": "on", "ways_out": "on"}}
+        "effects": {"trust": "off", "multi_start": "on", "envelope": "off", "polish": "on", "ways_out": "on", "beam_width_sensitivity": "off"}}
     assert RegionsRequest([Region(**problem)] * 2).to_wire()["regions"][1]["name"] == "heel"
 
 

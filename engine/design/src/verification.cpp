@@ -91,11 +91,27 @@ SimulateProfile simulation_of(const tiling::Family& family, const microscale::Si
       };
 }
 
+RestTangent rest_tangent_of(const tiling::Family& family, const microscale::Material& material) {
+  microscale::SimulationOptions options;
+  options.material = material;
+  options.contact = options.patch = options.buckling = Switch::off;
+  return [&family, options](const Eigen::VectorXd& parameters, double width_factor, const Execution& execution) {
+    tiling::Family changed = family;
+    changed.beam_width *= width_factor;
+    const auto structure =
+        tiling::make_structure(changed, {parameters.data(), static_cast<std::size_t>(parameters.size())});
+    microscale::GreenStrainLoad rest;
+    rest.strains.emplace_back(Eigen::Vector3d::Zero());
+    return microscale::simulate(structure, rest, options, execution).states.at(0).tangent;
+  };
+}
+
 FamilySimulation verification_of(const tiling::Family& family, const microscale::Material& material) {
   const auto options = verification_options(material);
   auto coarser = options;
   coarser.refinement = microscale::Refinement::off;
-  return {simulation_of(family, options), simulation_of(family, coarser), microscale::extrapolation_error_ratio()};
+  return {simulation_of(family, options), simulation_of(family, coarser), microscale::extrapolation_error_ratio(),
+          rest_tangent_of(family, material)};
 }
 
 std::optional<double> relative_difference(const Eigen::VectorXd& simulated, const Eigen::VectorXd& model) {

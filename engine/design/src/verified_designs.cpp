@@ -167,6 +167,35 @@ void add_measures_or_message(const DesignSpace& space, Design& design) {
   }
 }
 
+/// Why the sensitivity to the beam width is not computed; empty if it is.
+std::string why_no_sensitivity(const DesignSearch& search, const VerifiedDesigns& found, bool has_tangent) {
+  const Design& best = found.ranking.front().design;
+  const bool is_verified = found.polished && is_simulated(*found.polished) && !is_stopped(found.polished->stopped);
+  if (search.beam_width_sensitivity == Switch::off) return "the request turns it off";
+  if (is_stopped(best.stopped)) return "the search was stopped";
+  if (search.beam_width_sensitivity == Switch::automatic && !is_verified) return "the design was not simulated";
+  if (!best.measures) return "there is no such structure";
+  return has_tangent ? "" : "no other beams are simulated";
+}
+
+void add_beam_width_sensitivity(const DesignSearch& search, std::span<const FamilySimulation> simulations,
+                                VerifiedDesigns& found, const Execution& execution) {
+  const Design& best = found.ranking.front().design;
+  const bool has_tangent = best.space < simulations.size() && simulations[best.space].rest_tangent;
+  const std::string why_not = why_no_sensitivity(search, found, has_tangent);
+  const auto start = std::chrono::steady_clock::now();
+  if (why_not.empty())
+    found.beam_width_sensitivity =
+        beam_width_sensitivity(best, simulations[best.space].rest_tangent, {execution.cancellation, nullptr, nullptr});
+  if (!execution.cost) return;
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  const bool ran = why_not.empty();
+  const char* const why =
+      search.beam_width_sensitivity == Switch::on ? "the request asks for it" : "the design was simulated";
+  execution.cost->add_effect("beam_width_sensitivity", ran, ran ? why : why_not, ran ? 1 : 0,
+                             ran ? seconds.count() : 0);
+}
+
 }  // namespace
 
 VerifiedDesigns search_designs(std::span<const DesignSpace> spaces, std::span<const FamilySimulation> simulations,
@@ -189,6 +218,7 @@ VerifiedDesigns search_designs(std::span<const DesignSpace> spaces, std::span<co
   }
   Design& best = found.ranking.front().design;
   add_measures_or_message(spaces[best.space], best);
+  add_beam_width_sensitivity(search, simulations, found, execution);
   return found;
 }
 

@@ -149,6 +149,20 @@ void write_bound(JsonWriter& out, const BoundedTargets& bounded, std::size_t tar
   out.end_object();
 }
 
+/// How much a profile changes with the beam width; null if nobody asked, or nothing is known.
+void write_beam_width_sensitivity(JsonWriter& out, const FoundDesigns& found, std::size_t target) {
+  out.key("beam_width_sensitivity");
+  if (target >= found.beam_width_sensitivity.size()) {
+    out.null();
+    return;
+  }
+  const auto& [wider, narrower] = found.beam_width_sensitivity[target];
+  out.begin_object();
+  write_number_or_null(out, "wider", wider);
+  write_number_or_null(out, "narrower", narrower);
+  out.end_object();
+}
+
 void write_design_profile(JsonWriter& out, const FoundDesigns& found, const design::Verdict& verdict,
                           std::size_t target) {
   const design::DesignProfile& profile = found.ranking.front().design.profiles[target];
@@ -170,6 +184,7 @@ void write_design_profile(JsonWriter& out, const FoundDesigns& found, const desi
     out.begin_object().key("lower").numbers(profile.lowest).key("upper").numbers(profile.highest).end_object();
   }
   write_bound(out, found.bounded, target);
+  write_beam_width_sensitivity(out, found, target);
   out.end_object();
 }
 

@@ -298,6 +298,7 @@ void read_options(Fields& fields, DesignRequest& request) {
     effects.choice("envelope", request.options.envelope, switch_names);
     effects.choice("polish", request.verification.polish, switch_names);
     effects.choice("ways_out", request.ways_out, switch_names);
+    effects.choice("beam_width_sensitivity", request.beam_width_sensitivity, switch_names);
   });
 }
 

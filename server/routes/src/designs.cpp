@@ -171,10 +171,11 @@ json::FoundDesigns search(const Region& region, const json::DesignRequest& reque
   std::vector<design::FamilySimulation> simulations;
   for (const auto& model : region.models) {
     found.models.push_back(name_of(*model));
-    if (request.simulates()) simulations.push_back(design::simulation_of_model(model->model));
+    if (request.needs_simulations()) simulations.push_back(design::simulation_of_model(model->model));
   }
   design::DesignSearch problem{region.spec.problem, request.options};
   if (request.simulates()) problem.verification = request.verification;
+  problem.beam_width_sensitivity = request.beam_width_sensitivity;
   design::SearchObserver observer;
   if (execution.progress) {
     observer.on_progress = [&](const design::DesignProgress& news) {
@@ -190,6 +191,7 @@ json::FoundDesigns search(const Region& region, const json::DesignRequest& reque
   found.ranking = std::move(designs.ranking);
   found.verification = std::move(designs.polished);
   found.discretization_error = std::move(designs.discretization_error);
+  found.beam_width_sensitivity = std::move(designs.beam_width_sensitivity);
   found.bounded = bounded_targets(found.spec, found.models[found.ranking.front().design.space]);
   return found;
 }

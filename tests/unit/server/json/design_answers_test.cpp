@@ -113,6 +113,13 @@ TEST(DesignAnswers, SayHowNearAnyMaterialComes) {
   EXPECT_EQ(written(designs)["profile"]["bound"]["together"], (json{{"deviation", 0.75}, {"y", {2.5, 3.5}}}));
 }
 
+TEST(DesignAnswers, SayHowSensitiveTheyAreToTheBeamWidth) {
+  auto designs = found();
+  EXPECT_TRUE(written(designs)["profile"]["beam_width_sensitivity"].is_null());
+  designs.beam_width_sensitivity = {{0.125, std::nullopt}};
+  EXPECT_EQ(written(designs)["profile"]["beam_width_sensitivity"], (json{{"wider", 0.125}, {"narrower", nullptr}}));
+}
+
 TEST(DesignAnswers, SayWhatWouldHelp) {
   auto designs = found();
   EXPECT_TRUE(written(designs)["ways_out"].is_array() && written(designs)["ways_out"].empty());

@@ -31,7 +31,7 @@ TEST(DesignRequests, ReadEveryField) {
           "target":{"control_points":[[-0.1,-1],[0.2,2]]}}],"model":"ih21","initial":[0.15,0.6],"fixed":[null,0.6],
           "verify":true,"accuracy":{"tolerance":1e-4,"equilibrium_tolerance":1e-8,"max_iterations":9,"starts":3,
           "candidates":40,"verified_samples":5,"polish_tolerance":0.01,"polish_rounds":7,"polish_seconds":50},
-          "effects":{"multi_start":"on","envelope":"off","polish":"on","ways_out":"on"},"session":"tab-1",
+          "effects":{"multi_start":"on","envelope":"off","polish":"on","ways_out":"on","beam_width_sensitivity":"on"},"session":"tab-1",
           "deadline":9})",
       {});
   EXPECT_FALSE(request.several);
@@ -68,6 +68,8 @@ TEST(DesignRequests, ReadEveryField) {
   EXPECT_EQ(request.options.multi_start, Switch::on);
   EXPECT_EQ(request.options.envelope, Switch::off);
   EXPECT_EQ(request.ways_out, Switch::on);
+  EXPECT_EQ(request.beam_width_sensitivity, Switch::on);
+  EXPECT_TRUE(request.needs_simulations());
   EXPECT_EQ(request.session, "tab-1");
   EXPECT_EQ(request.deadline, 9);
 }

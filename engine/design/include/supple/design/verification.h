@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "supple/base/execution.h"
+#include "supple/design/beam_width_sensitivity.h"
 #include "supple/design/profile.h"
 #include "supple/microscale/simulation.h"
 #include "supple/tiling/family.h"
@@ -36,7 +37,12 @@ struct FamilySimulation {
   SimulateProfile coarser;
   /// Estimated discretization error, divided by the difference of the two simulations.
   double error_ratio = 1;
+  RestTangent rest_tangent{};  ///< of structures with other beams; empty if their sensitivity is not wanted
 };
+
+/// The tangent at rest of the family's structures, on the mesh of the data sets, whose error hardly changes with the
+/// beam width. The family must outlive the function that is returned, which takes some tens of milliseconds.
+RestTangent rest_tangent_of(const tiling::Family& family, const microscale::Material& material);
 
 /// The simulation with `verification_options`, which extrapolates, and the one on the mesh from which it extrapolates.
 FamilySimulation verification_of(const tiling::Family& family, const microscale::Material& material);

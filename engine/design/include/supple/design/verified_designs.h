@@ -34,6 +34,8 @@ struct VerifiedDesigns {
   /// simulated response: FamilySimulation::error_ratio times the difference to the coarser mesh. None if either
   /// simulation does not reach every sample, if the deadline passed, or if no estimate is wanted.
   std::vector<std::optional<double>> discretization_error;
+  /// How much each profile of the first design changes with its beam width; empty if that was not computed.
+  std::vector<BeamWidthSensitivity> beam_width_sensitivity{};
 };
 
 /// Ranks the best designs of `find_designs` by their simulated deviation, and polishes the first of them. A design
@@ -54,6 +56,9 @@ struct DesignSearch {
   DesignProblem problem;
   DesignOptions options{};
   std::optional<VerificationPlan> verification{};  ///< without it nothing is simulated
+  /// Whether the answer says how sensitive the best design is to an error of its beam width. automatic does so if the
+  /// design was simulated. It takes some tenths of a second.
+  Switch beam_width_sensitivity = Switch::automatic;
 };
 
 /// Functions that a running search calls to report.
@@ -64,8 +69,9 @@ struct SearchObserver {
 
 /// Calls `find_designs`, and then `verify_designs` if the search has a plan for it and was not stopped. Without a plan
 /// `polished` and `discretization_error` are empty, `simulations` may be empty, and the bill has the effects
-/// "verification" and "polish" as not run. The parameters of the best design may have no structure, because tiles are
-/// too small or voids close in a corner of the bounds. Then its message says so.
+/// "verification" and "polish" as not run. It always has the effect "beam_width_sensitivity". The parameters of the
+/// best design may have no structure, because tiles are too small or voids close in a corner of the bounds. Then its
+/// message says so.
 VerifiedDesigns search_designs(std::span<const DesignSpace> spaces, std::span<const FamilySimulation> simulations,
                                const DesignSearch& search, const Execution& execution = {},
                                const SearchObserver& observer = {});

@@ -31,7 +31,8 @@ struct FoundDesigns {
   std::vector<std::optional<double>> discretization_error{};  ///< see VerifiedDesigns; empty without verification
   std::vector<design::WayOut> ways_out{};                     ///< best first
   std::vector<DesignModel> other_models{};                    ///< models of the families that `ways_out` may name
-  BoundedTargets bounded{};                                   ///< targets, and what any material can have at rest
+  std::vector<design::BeamWidthSensitivity> beam_width_sensitivity{};  ///< see VerifiedDesigns
+  BoundedTargets bounded{};  ///< targets, and what any material can have at rest
 };
 
 std::string write_design(const DesignRequest& request, const std::vector<FoundDesigns>& found, const Bill& bill);

@@ -54,12 +54,15 @@ struct DesignRequest {
   bool verify = false;
   design::VerificationPlan verification;
   design::DesignOptions options;
+  Switch beam_width_sensitivity = Switch::automatic;
   Switch ways_out = Switch::automatic;  ///< whether ways out of a missed target are sought
   std::string session;                  ///< empty where it is not given
   double deadline = 0;                  ///< seconds; set also where the request leaves it out
 
   /// Whether designs are simulated: the request asks for it, or switches their polish on.
   bool simulates() const { return verify || verification.polish == Switch::on; }
+  /// Whether structures are simulated at all.
+  bool needs_simulations() const { return simulates() || beam_width_sensitivity == Switch::on; }
   /// Whether ways out are sought where the target is missed. An editing session asks anew with every move.
   bool seeks_ways_out() const { return ways_out == Switch::on || (ways_out == Switch::automatic && session.empty()); }
 };
