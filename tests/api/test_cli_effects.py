@@ -103,7 +103,7 @@ FREE: Dict[str, str] = {
         --deadline --csv --plot""",
     "design": """--task --family --model --strain-measure --target --target-points --interpolation --request --regions --orientation
         --youngs-modulus --density --beam-width --cell-size --relative-density --beam-width-limits --cell-size-limits --samples --initial
-        --fixed --verify --polish --ways-out --tolerance --equilibrium-tolerance --max-iterations --starts --candidates --trust
+        --fixed --verify --polish --ways-out --beam-width-sensitivity --tolerance --equilibrium-tolerance --max-iterations --starts --candidates --trust
         --multi-start --envelope --session --deadline --csv --plot --svg --missed-ok""",
     "weave layout": WEAVE + " --crossings --svg",
     "weave homogenize": WEAVE + " " + EQUILIBRIUM + " --error-estimate --strain --directions --shear --thickness --csv --plot",

@@ -91,12 +91,13 @@ def test_every_option_reaches_the_server(program: Program) -> None:
         "--json", "design", "--task", "poisson", "--model", "ih67", "--target", "0,0.1;1,0.3", "--strain", "0.03",
         "--strain-measure", "engineering", "--interpolation", "monotone", "--samples", "6", "--initial", "0.2,0.9",
         "--fixed", "0.2,free", "--tolerance", "1e-5", "--equilibrium-tolerance", "1e-9", "--max-iterations", "7",
-        "--multi-start", "off", "--envelope", "on", "--trust", "off", "--candidates", "4", "--session", "s", "--deadline", "100", "--missed-ok"))
+        "--multi-start", "off", "--envelope", "on", "--trust", "off", "--candidates", "4", "--session", "s", "--deadline", "100", "--missed-ok",
+        "--beam-width-sensitivity", "on"))
     main = answer["profile"]
     assert (main["task"], main["strain"], main["strain_measure"], len(main["x"])) == ("poisson", 0.03, "engineering", 6)
     assert answer["parameters"][0] == 0.2 and answer["model"] == "ih67" and answer["starts"] == 1
     assert answer["accuracy"]["tolerance"] == 1e-5 and answer["accuracy"]["equilibrium_tolerance"] == 1e-9
-    assert main["envelope"] is not None and answer["iterations"] <= 7
+    assert main["envelope"] is not None and answer["iterations"] <= 7 and main["beam_width_sensitivity"] is not None
     (trust,) = [effect for effect in answer["effects"] if effect["name"] == "trust"]
     assert not trust["ran"] and "turns it off" in trust["why"]
 

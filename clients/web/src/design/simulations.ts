@@ -1,7 +1,7 @@
 // The simulated responses of designs, which are kept: in the page for undo, other sizes and other tabs, in the browser's storage for reloads.
 import type { Curve } from "../base/curve";
 import { Observable } from "../base/observable";
-import type { Effect, Polish } from "../contract/types";
+import type { DesignProfile, Effect, Polish } from "../contract/types";
 import type { TargetResponse } from "./shown";
 import { modulusOf, orientationOf, type Specification } from "./specification";
 import { isPolar, type ProfileKind, type Target, type TilingDesign } from "./state";
@@ -30,6 +30,8 @@ export interface SimulatedTarget {
   readonly deviation: number | null;
   /** Estimated relative error of the mesh; null if it is not known. */
   readonly mesh: number | null;
+  /** Relative changes of the profile at rest with beams 5 % wider and narrower; absent if they are not known. */
+  readonly beamWidth?: NonNullable<DesignProfile["beam_width_sensitivity"]>;
 }
 
 /** One simulation of a design, along the profiles of its targets. */

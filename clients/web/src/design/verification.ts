@@ -390,8 +390,16 @@ function simulatedProfiles(answer: DesignAnswer, { asked, order }: Pick<Subject,
   if (endedBeforeSimulation(answer)) return null;
   const targets = targetsOf(asked);
   const found = targets.map((target, place) => {
-    const verified = profiles[order.indexOf(place)]?.verified ?? null;
-    return verified && { kind: kindOf(target), curve: { x: verified.x, y: verified.y }, deviation: verified.relative_rms ?? null, mesh: verified.discretization_error };
+    const profile = profiles[order.indexOf(place)];
+    const verified = profile?.verified ?? null;
+    const beamWidth = profile?.beam_width_sensitivity;
+    return verified && {
+      kind: kindOf(target),
+      curve: { x: verified.x, y: verified.y },
+      deviation: verified.relative_rms ?? null,
+      mesh: verified.discretization_error,
+      ...(beamWidth && { beamWidth }),
+    };
   });
   return found.every((one) => one !== null) ? found : null;
 }

@@ -5,6 +5,7 @@ import { EffectChips } from "../base/effect_chips";
 import { type Chip, chipsOf } from "../base/effect_words";
 import { keepFocus } from "../base/focus";
 import { percent, seconds } from "../base/format";
+import { beamWidthSentence } from "./beam_width_words";
 import { PatchView } from "./patch_view";
 import type { DesignSession } from "./session";
 import { goesOn, polishHelp } from "./polish_help";
@@ -123,6 +124,7 @@ function doneSentence({ simulated, polish, seconds: elapsed }: Extract<Verificat
   }
   if (deviation !== null) words.push(`${simulated.length > 1 ? "Of the target in sight the" : "The"} simulation and the model differ by ${percent(deviation)} (rms).`);
   if (mesh !== null) words.push(`The mesh of the simulation makes an error of less than about ${percent(mesh)}.`);
+  if (inSight?.beamWidth) words.push(beamWidthSentence(inSight.beamWidth));
   words.push(`Simulated in ${seconds(elapsed)}.`);
   return words.join(" ");
 }
