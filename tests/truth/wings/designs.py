@@ -186,8 +186,9 @@ def _search(server: Server, drawn: Dict[str, Any]) -> Iterator[Tuple[str, float]
         weights += problem["weight"]
         if number == 0:
             yield "deviation", (answer["error"]["max"] - largest) / np.max(np.abs(profile["target"]))
-        clear = np.abs(beyond / scale - 0.01) > 1e-9
-        yield "reached", float(np.sum(clear & ((beyond <= 0.01 * scale) != np.array(profile["reached"]))))
+        tolerance = max(0.01 * scale, 0.02 if problem["task"] == "poisson" else 0)
+        clear = np.abs(beyond - tolerance) > 1e-9 * scale
+        yield "reached", float(np.sum(clear & ((beyond <= tolerance) != np.array(profile["reached"]))))
         all_reached = all_reached and all(profile["reached"])
         yield from _ranged(_description(server, drawn), answer["parameters"], problem["task"], profile["achieved"], profile["error_bar"], profile["in_range"])
     yield "deviation", answer["error"]["relative_rms"] - np.sqrt(squares / weights)
