@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 namespace supple::design {
 namespace {
@@ -49,7 +48,7 @@ LoadVectors load_vectors(double direction) {
   return {{c * c, s * s, c * s}, {s * s, c * c, -c * s}};
 }
 
-RestMisfit::RestMisfit(Eigen::Matrix3d least, double unit) : least_(std::move(least)), unit_(unit) {}
+RestMisfit::RestMisfit(const Eigen::Matrix3d& least, double unit) : least_(least), unit_(unit) {}
 
 void RestMisfit::add(const SampledTarget& target, double weight) {
   const bool is_stiffness = target.samples.task == Task::stiffness;

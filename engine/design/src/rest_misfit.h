@@ -28,7 +28,7 @@ LoadVectors load_vectors(double direction);
 class RestMisfit {
  public:
   /// `unit` is the unit of stiffness in MPa. Compliances, `least` among them, are in 1 / `unit`.
-  RestMisfit(Eigen::Matrix3d least, double unit);
+  RestMisfit(const Eigen::Matrix3d& least, double unit);
   /// `weight` is the factor of the target's mean squared relative deviation.
   void add(const SampledTarget& target, double weight);
 
