@@ -4,9 +4,10 @@
 #include <cmath>
 #include <sstream>
 
-#include "family_table.h"
 #include "polygon.h"
+#include "square_family.h"
 #include "supple/base/error.h"
+#include "supple/tiling/family_definition.h"
 #include "supple/tiling/tiling_error.h"
 
 namespace supple::tiling {
@@ -16,36 +17,9 @@ namespace {
 /// but have a design with 11.9 %.
 constexpr double min_area_ratio = 0.1;
 
-Eigen::Vector2d evaluate(const AffinePoint& point, std::span<const double> parameters) {
-  return {point.x(parameters), point.y(parameters)};
-}
-
-Tiling evaluate(const IsohedralType& type, std::span<const double> parameters) {
-  Tiling tiling;
-  for (const AffinePoint& vertex : type.tile) {
-    if (tiling.tiles.empty()) tiling.tiles.emplace_back();
-    tiling.tiles[0].push_back(evaluate(vertex, parameters));
-  }
-  for (const AffinePlacement& placement : type.placements) {
-    const auto& [a, b, c, d] = placement.linear;
-    tiling.placements.push_back(
-        {.tile = 0, .linear = Eigen::Matrix2d{{a, b}, {c, d}}, .offset = evaluate(placement.offset, parameters)});
-  }
-  for (int k = 0; k < 2; ++k) tiling.lattice.col(k) = evaluate(type.translations[k], parameters);
-  return tiling;
-}
-
 std::vector<Family> make_families() {
   std::vector<Family> result;
-  for (const IsohedralType& type : isohedral_types()) {
-    result.push_back({.id = type.id,
-                      .description = type.description,
-                      .parameters = type.parameters,
-                      .beam_width = type.beam_width,
-                      .sufficient_mesh_size = type.sufficient_mesh_size,
-                      .holes_may_close = false,
-                      .shape = [&type](std::span<const double> parameters) { return evaluate(type, parameters); }});
-  }
+  for (const FamilyDefinition& definition : shipped_definitions()) result.push_back(make_family(definition));
   result.push_back({.id = "square",
                     .description = "A square of half side |p| in a square cell, corners joined; singular at p = 0",
                     .parameters = {{-1, 1, 0.5}},
@@ -115,6 +89,12 @@ std::vector<double> presets(const Family& family) {
   result.reserve(family.parameters.size());
   for (const Parameter& parameter : family.parameters) result.push_back(parameter.preset);
   return result;
+}
+
+double beam_width_at(const Family& family, std::span<const double> parameters) {
+  if (!family.definition) return family.beam_width;
+  const AffineExpression& width = family.definition->beam_width;
+  return width.slopes.empty() ? family.beam_width : width(parameters);
 }
 
 Tiling tiling_of(const Family& family, std::span<const double> parameters, double box_margin) {

@@ -310,7 +310,7 @@ bool can_be_built(const Family& family, std::span<const double> parameters) {
   try {
     Tiling tiling = tiling_of(family, parameters);
     if (family.holes_may_close) return true;
-    scale_by(tiling, printed_beam_width / family.beam_width);
+    scale_by(tiling, printed_beam_width / beam_width_at(family, parameters));
     const bool tiles_cross = cross_themselves(tiling.tiles);
     if (has_certain_holes(tiling, tiles_cross, printed_beam_width)) return true;
     if (tiles_cross && has_hole_near_cell(tiling, printed_beam_width)) return true;
@@ -326,7 +326,7 @@ Structure make_structure(const Family& family, std::span<const double> parameter
   structure.family = family.id;
   structure.parameters.assign(parameters.begin(), parameters.end());
   structure.tiling = tiling_of(family, parameters, box_margin);
-  structure.scale = structure.beam_width / family.beam_width;
+  structure.scale = structure.beam_width / beam_width_at(family, parameters);
   scale_by(structure.tiling, structure.scale);
   structure.tiles_cross = cross_themselves(structure.tiling.tiles);
   if (structure.tiles_cross) {

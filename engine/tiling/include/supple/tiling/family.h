@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -37,19 +38,23 @@ struct Parameter {
 /// Length of a triangle's side away from corners, in beam widths, unless a mesh asks for another one.
 inline constexpr double default_mesh_size = 0.5;
 
-/// A family of tilings: data and, through `shape`, the tiling at given parameters. Another of the 81 isohedral types is
-/// one more entry of the table in family_table.cpp.
+struct FamilyDefinition;
+
+/// A family of tilings: data and, through `shape`, the tiling at given parameters. `make_family` makes it from a
+/// definition, which is what a family's file holds (models/families).
 struct Family {
   std::string id;  ///< e.g. "IH21"
   std::string description;
   std::vector<Parameter> parameters;
-  double beam_width = 0;  ///< in tiling units; scaled to printed_beam_width
+  double beam_width = 0;  ///< in tiling units, at the default parameters; scaled to printed_beam_width
   /// Mesh size, in beam widths, that suffices for data sets of the family. It is larger than the default in cells of
   /// many slender beams, which deform by bending along their length.
   double sufficient_mesh_size = default_mesh_size;
   /// Whether tiles whose hole closes are part of the family. This is so for the family with a topological singularity.
   bool holes_may_close = false;
   std::function<Tiling(std::span<const double>)> shape;  ///< the tiling at parameters, which `tiling_of` checks
+  /// What the family was made from; null if `shape` is code, as that of "square" is.
+  std::shared_ptr<const FamilyDefinition> definition = nullptr;
 };
 
 /// The width of a beam to which structures are scaled, as it is printed, in millimetres.
@@ -64,6 +69,10 @@ const Family& family(std::string_view id);
 
 /// The default parameters of a family.
 std::vector<double> presets(const Family& family);
+
+/// The width of the beams at these parameters, in tiling units. It is `beam_width` unless the family's definition makes
+/// it depend on the parameters.
+double beam_width_at(const Family& family, std::span<const double> parameters);
 
 /// Checks the parameters and makes the tiling. Throws "tiling.parameter_count", "tiling.parameter_out_of_bounds" (which
 /// names each parameter with its bounds and value) and "tiling.cell_too_small" (a tile has less than 10 % of the area

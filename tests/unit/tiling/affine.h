@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <span>
 
-namespace supple::tiling {
+namespace supple::tiling::testing {
 
 /// An affine function of the parameters, constant + sum over k of slopes[k] * p_k. Coordinates of a tiling's vertices,
 /// translations and placements are such functions.
@@ -44,4 +44,4 @@ constexpr Affine operator+(const Affine& a, const Affine& b) {
 constexpr Affine operator-(const Affine& a, const Affine& b) { return a + -1.0 * b; }
 constexpr Affine operator-(const Affine& a) { return -1.0 * a; }
 
-}  // namespace supple::tiling
+}  // namespace supple::tiling::testing

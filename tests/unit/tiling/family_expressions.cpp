@@ -1,10 +1,8 @@
-#include "family_table.h"
+#include "family_expressions.h"
 
-#include <algorithm>
-#include <cmath>
 #include <numbers>
 
-namespace supple::tiling {
+namespace supple::tiling::testing {
 namespace {
 
 constexpr Affine p1 = Affine::parameter(0);
@@ -28,13 +26,9 @@ constexpr std::array<double, 4> mirror_x = {-1, 0, 0, 1};        // x changes si
 constexpr std::array<double, 4> mirror_y = {1, 0, 0, -1};        // y changes sign
 constexpr std::array<double, 4> mirror_diagonal = {0, 1, 1, 0};  // x and y change places
 
-/// Length below which sides of the square family's tiles are points, in tiling units: some 1e-8 beam widths.
-constexpr double min_tile_side = 1e-9;
-
-void add_hexagons(std::vector<IsohedralType>& table) {
+void add_hexagons(std::vector<ExpressedFamily>& table) {
   table.push_back(
       {.id = "IH01",
-       .description = "Hexagons whose opposite edges are parallel; one tile per cell",
        .parameters = {{0.05, 0.3, 0.1223975049}, {0.25, 0.75, 0.5}, {0.05, 0.15, 0.143395479}, {0.4, 0.8, 0.625}},
        .beam_width = 0.1282,
        .tile = {{0, 0},
@@ -47,32 +41,29 @@ void add_hexagons(std::vector<IsohedralType>& table) {
        .placements = {{identity, {0, 0}}}});
 }
 
-void add_pentagons(std::vector<IsohedralType>& table) {
+void add_pentagons(std::vector<ExpressedFamily>& table) {
   // The bounds start above the type's own default of p1, 0.1045; the preset is the nearest value within them.
-  table.push_back(
-      {.id = "IH21",
-       .description = "Pentagons around centres of sixfold, threefold and twofold rotation; six tiles per cell",
-       .parameters = {{0.105, 0.195, 0.105}, {0.505, 0.795, 0.65}},
-       .beam_width = 0.0641,
-       .sufficient_mesh_size = 1,
-       .tile = {{1, 0},
-                {5 * p2 - 2.5, 5.1 * p1 - 0.1},
-                {-5.1 / (2 * std::numbers::sqrt3) * p1 + 2.5 * p2 - 1.25 + 0.05 / std::numbers::sqrt3,
-                 2.55 * p1 + 2.5 / std::numbers::sqrt3 * p2 - 1.25 / std::numbers::sqrt3 - 0.05},
-                {0, 0},
-                {0.5, -sin60}},
-       .translations = {{{5.1 * sin60 * p1 - 2.5 * p2 + 2.75 - 0.1 * sin60,
-                          -2.55 * p1 - 5 * sin60 * p2 + 1.5 * sin60 + 0.05},
-                         {-5 * p2 + 2.5, -5.1 * p1 + 0.1 - 2 * sin60}}},
-       .placements = {{identity, {0, 0}},
-                      {rotation300, {1, 0}},
-                      {rotation240, {1.5, -sin60}},
-                      {rotation180, {1, -2 * sin60}},
-                      {rotation120, {0, -2 * sin60}},
-                      {rotation60, {-0.5, -sin60}}}});
+  table.push_back({.id = "IH21",
+                   .parameters = {{0.105, 0.195, 0.105}, {0.505, 0.795, 0.65}},
+                   .beam_width = 0.0641,
+                   .sufficient_mesh_size = 1,
+                   .tile = {{1, 0},
+                            {5 * p2 - 2.5, 5.1 * p1 - 0.1},
+                            {-5.1 / (2 * std::numbers::sqrt3) * p1 + 2.5 * p2 - 1.25 + 0.05 / std::numbers::sqrt3,
+                             2.55 * p1 + 2.5 / std::numbers::sqrt3 * p2 - 1.25 / std::numbers::sqrt3 - 0.05},
+                            {0, 0},
+                            {0.5, -sin60}},
+                   .translations = {{{5.1 * sin60 * p1 - 2.5 * p2 + 2.75 - 0.1 * sin60,
+                                      -2.55 * p1 - 5 * sin60 * p2 + 1.5 * sin60 + 0.05},
+                                     {-5 * p2 + 2.5, -5.1 * p1 + 0.1 - 2 * sin60}}},
+                   .placements = {{identity, {0, 0}},
+                                  {rotation300, {1, 0}},
+                                  {rotation240, {1.5, -sin60}},
+                                  {rotation180, {1, -2 * sin60}},
+                                  {rotation120, {0, -2 * sin60}},
+                                  {rotation60, {-0.5, -sin60}}}});
 
   table.push_back({.id = "IH22",
-                   .description = "Pentagons in mirrored pairs; two tiles per cell",
                    .parameters = {{0.1, 0.3, 0.2307692308}, {0.3, 0.7, 0.5}, {0, 0.3, 0.2253357527}},
                    .beam_width = 0.0897,
                    .tile = {{3.9 * p1 + 0.1, 5 * p2 - 2.5},
@@ -84,7 +75,6 @@ void add_pentagons(std::vector<IsohedralType>& table) {
                    .placements = {{identity, {0, 0}}, {mirror_x, {0, 0}}}});
 
   table.push_back({.id = "IH28",
-                   .description = "Pentagons around two centres of fourfold rotation; four tiles per cell",
                    .parameters = {{0.005, 0.8, 0.4528270266}, {0.005, 1, 0.5}},
                    .beam_width = 0.0769,
                    .sufficient_mesh_size = 1,
@@ -101,7 +91,6 @@ void add_pentagons(std::vector<IsohedralType>& table) {
                                   {rotation270, {-3.9 * p1 - 1.1, -5 * p2 + 3}}}});
 
   table.push_back({.id = "IH29",
-                   .description = "Pentagons in pairs around centres of fourfold rotation; four tiles per cell",
                    .parameters = {{0.005, 1, 0.3668738189}},
                    .beam_width = 0.1282,
                    .sufficient_mesh_size = 0.7,
@@ -117,9 +106,8 @@ void add_pentagons(std::vector<IsohedralType>& table) {
                                   {mirror_diagonal, {-9.9 * p1 - 1.1, 0}}}});
 }
 
-void add_quadrilaterals(std::vector<IsohedralType>& table) {
+void add_quadrilaterals(std::vector<ExpressedFamily>& table) {
   table.push_back({.id = "IH50",
-                   .description = "Quadrilaterals in zigzag rows; four tiles per cell",
                    .parameters = {{0.1, 0.3, 0.2307692308}, {0.25, 0.75, 0.5}},
                    .beam_width = 0.0385,
                    .tile = {{0, 0}, {3.9 * p1 + 0.1, 5 * p2 - 2.5}, {3.9 * p1 + 0.1, 5 * p2 - 1.5}, {0, 1}},
@@ -130,7 +118,6 @@ void add_quadrilaterals(std::vector<IsohedralType>& table) {
                                   {mirror_y, {-7.8 * p1 - 0.2, 1}}}});
 
   table.push_back({.id = "IH67",
-                   .description = "Symmetric trapezoids in rows; two tiles per cell",
                    .parameters = {{0.1, 0.3, 0.2307692308}, {0.6, 1.1, 0.8695652174}},
                    .beam_width = 0.0769,
                    .tile = {{1, 0}, {-3.45 * p2 + 4, 3.9 * p1 + 0.1}, {3.45 * p2 - 3, 3.9 * p1 + 0.1}, {0, 0}},
@@ -138,52 +125,36 @@ void add_quadrilaterals(std::vector<IsohedralType>& table) {
                    .placements = {{identity, {0, 0}}, {rotation180, {-3.45 * p2 + 5, 3.9 * p1 + 0.1}}}});
 }
 
-std::vector<IsohedralType> make_table() {
-  std::vector<IsohedralType> table;
+std::vector<ExpressedFamily> make_table() {
+  std::vector<ExpressedFamily> table;
   add_hexagons(table);
   add_pentagons(table);
   add_quadrilaterals(table);
   return table;
 }
 
-// The polygon without vertices that coincide with the one before.
-Polygon without_repetitions(const Polygon& polygon) {
-  Polygon result;
-  for (std::size_t k = 0; k < polygon.size(); ++k) {
-    const Eigen::Vector2d& before = polygon[(k + polygon.size() - 1) % polygon.size()];
-    if ((polygon[k] - before).norm() > min_tile_side) result.push_back(polygon[k]);
-  }
-  return result;
+Eigen::Vector2d at(const AffinePoint& point, std::span<const double> parameters) {
+  return {point.x(parameters), point.y(parameters)};
 }
 
 }  // namespace
 
-const std::vector<IsohedralType>& isohedral_types() {
-  static const std::vector<IsohedralType> table = make_table();
+const std::vector<ExpressedFamily>& expressed_families() {
+  static const std::vector<ExpressedFamily> table = make_table();
   return table;
 }
 
-Tiling square_in_square(double p) {
-  // At |p| = 1 the square fills the cell, and the walls of neighbouring squares coincide. Beyond, nothing changes.
-  const double a = std::min(std::abs(p), 1.0);
+Tiling evaluate(const ExpressedFamily& family, std::span<const double> parameters) {
   Tiling tiling;
-  tiling.lattice = 2 * Eigen::Matrix2d::Identity();
-  const auto add = [&](const Polygon& tile, std::initializer_list<Placement> placements) {
-    for (Placement placement : placements) {
-      placement.tile = static_cast<int>(tiling.tiles.size());
-      tiling.placements.push_back(placement);
-    }
-    tiling.tiles.push_back(tile);
-  };
-  if (2 * a > min_tile_side) add({{-a, -a}, {a, -a}, {a, a}, {-a, a}}, {{}});
-  if (1 - a > min_tile_side) {
-    // The first hexagon is the trapezoid above the inner square with its mirror image across the cell's upper side. The
-    // second one is the first, rotated by -90 degrees.
-    const Eigen::Matrix2d quarter_turn = (Eigen::Matrix2d() << 0, 1, -1, 0).finished();
-    add(without_repetitions({{-1, 1}, {-a, a}, {a, a}, {1, 1}, {a, 2 - a}, {-a, 2 - a}}),
-        {{}, {.linear = quarter_turn, .offset = {0, 0}}});
+  tiling.tiles.emplace_back();
+  for (const AffinePoint& vertex : family.tile) tiling.tiles[0].push_back(at(vertex, parameters));
+  for (const AffinePlacement& placement : family.placements) {
+    const auto& [a, b, c, d] = placement.linear;
+    tiling.placements.push_back(
+        {.tile = 0, .linear = Eigen::Matrix2d{{a, b}, {c, d}}, .offset = at(placement.offset, parameters)});
   }
+  for (int k = 0; k < 2; ++k) tiling.lattice.col(k) = at(family.translations[static_cast<std::size_t>(k)], parameters);
   return tiling;
 }
 
-}  // namespace supple::tiling
+}  // namespace supple::tiling::testing

@@ -1,12 +1,13 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
 #include "affine.h"
 #include "supple/tiling/family.h"
 
-namespace supple::tiling {
+namespace supple::tiling::testing {
 
 struct AffinePoint {
   Affine x, y;
@@ -18,10 +19,9 @@ struct AffinePlacement {
   AffinePoint offset;
 };
 
-/// One isohedral type with straight edges: every tile is a copy of one prototile.
-struct IsohedralType {
+/// One of the seven families of [Thesis], with straight edges: every tile is a copy of one prototile.
+struct ExpressedFamily {
   std::string id;
-  std::string description;
   std::vector<Parameter> parameters;
   double beam_width = 0;                            ///< tiling units
   double sufficient_mesh_size = default_mesh_size;  ///< as in Family
@@ -30,12 +30,11 @@ struct IsohedralType {
   std::vector<AffinePlacement> placements;  ///< the tiles of one cell
 };
 
-/// The table of isohedral types. [Grunbaum1987] numbers the 81 types, and [Kaplan2009] gives their tiling vertices as
-/// affine functions.
-const std::vector<IsohedralType>& isohedral_types();
+/// The seven families as expressions of their parameters, written as one reads them: what their files must agree with
+/// to the last bit.
+const std::vector<ExpressedFamily>& expressed_families();
 
-/// The tiling of the cell [-1, 1]^2 by a centred square of half side |p| and by segments from its corners to those of
-/// the cell.
-Tiling square_in_square(double p);
+/// The tiling at parameters, by these expressions.
+Tiling evaluate(const ExpressedFamily& family, std::span<const double> parameters);
 
-}  // namespace supple::tiling
+}  // namespace supple::tiling::testing
