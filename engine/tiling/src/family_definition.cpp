@@ -7,6 +7,8 @@
 #include <numbers>
 #include <utility>
 
+#include "defined_outline.h"
+
 namespace supple::tiling {
 namespace {
 
@@ -95,6 +97,21 @@ double AffineExpression::operator()(std::span<const double> parameters) const {
 bool DefinedParameter::operator==(const DefinedParameter& other) const {
   return description == other.description && range.lower == other.range.lower && range.upper == other.range.upper &&
          range.preset == other.range.preset;
+}
+
+std::vector<std::size_t> edge_starts(const FamilyDefinition& definition) {
+  std::vector<double> parameters;
+  for (const DefinedParameter& parameter : definition.parameters) parameters.push_back(parameter.range.preset);
+  std::vector<std::size_t> starts{0};
+  for (std::size_t k = 0; k < definition.tile.vertices.size(); ++k) {
+    std::size_t points = 1;
+    if (!definition.tile.edges.empty()) {
+      const auto shape = static_cast<std::size_t>(definition.tile.edges[k].shape);
+      points += inner_points(definition.shapes[shape], parameters).size();
+    }
+    starts.push_back(starts.back() + points);
+  }
+  return starts;
 }
 
 Tiling tiling_at(const FamilyDefinition& definition, std::span<const double> parameters) {

@@ -1,0 +1,53 @@
+#include "supple/tiling/definition_check.h"
+
+#include "box_survey.h"
+#include "defined_outline.h"
+#include "definition_fields.h"
+#include "polygon.h"
+#include "tiling_cover.h"
+
+namespace supple::tiling {
+namespace {
+
+constexpr std::size_t max_findings = 20;
+constexpr int cover_samples = 64;
+
+std::optional<DefinitionFinding> cover_finding(const FamilyDefinition& definition,
+                                               const std::vector<double>& parameters) {
+  const auto fault = cover_fault(tiling_at(definition, parameters), edge_starts(definition));
+  if (!fault) return std::nullopt;
+  std::string where = "tile";
+  if (fault->edge) where += (definition.tile.edges.empty() ? "/vertices/" : "/edges/") + std::to_string(*fault->edge);
+  return DefinitionFinding{fault->flaw, where, fault->message, parameters, fault->point};
+}
+
+/// What is wrong with the tile at the default parameters, or else with how its copies cover the plane somewhere.
+std::optional<DefinitionFinding> drawn_fault(const FamilyDefinition& definition) {
+  const auto samples = box_samples(definition, definition.parameters.empty() ? 0 : cover_samples);
+  const std::vector<double>& defaults = samples.front();
+  if (auto crossing = crossing_at(definition, defaults)) return crossing;
+  if (area(tiling_at(definition, defaults).tiles[0]) <= 0)
+    return DefinitionFinding{DefinitionFlaw::field, "tile/vertices", "must be counterclockwise", defaults, {}};
+  for (const auto& sample : samples)
+    if (auto fault = cover_finding(definition, sample)) return fault;
+  return std::nullopt;
+}
+
+void keep_first(std::vector<DefinitionFinding>& findings) {
+  if (findings.size() > max_findings) findings.resize(max_findings);
+}
+
+}  // namespace
+
+DefinitionReport check_definition(const FamilyDefinition& definition) {
+  DefinitionReport report{.faults = field_faults(definition), .warnings = {}};
+  if (report.good()) {
+    if (auto fault = drawn_fault(definition)) report.faults.push_back(std::move(*fault));
+  }
+  if (report.good()) report.warnings = survey_box(definition);
+  keep_first(report.faults);
+  keep_first(report.warnings);
+  return report;
+}
+
+}  // namespace supple::tiling
