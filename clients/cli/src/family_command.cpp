@@ -14,9 +14,14 @@ void print_family(const nlohmann::json& family) {
   const auto& cell = family.at("cell");
   fmt::print("family      {}: {}\n", family.at("id").get<std::string>(), family.at("description").get<std::string>());
   fmt::print("parameters  {:>8} {:>8} {:>8}\n", "lower", "upper", "default");
+  // Older servers send no definition.
+  const auto definition = family.value("definition", nlohmann::json());
   for (std::size_t i = 0; i < parameters.at("lower").size(); ++i) {
-    fmt::print("  {:<9} {:>8g} {:>8g} {:>8g}\n", i + 1, parameters.at("lower").at(i).get<double>(),
-               parameters.at("upper").at(i).get<double>(), parameters.at("default").at(i).get<double>());
+    const auto words =
+        definition.is_object() ? definition.at("parameters").at(i).at("description").get<std::string>() : std::string();
+    fmt::print("  {:<9} {:>8g} {:>8g} {:>8g}{}{}\n", i + 1, parameters.at("lower").at(i).get<double>(),
+               parameters.at("upper").at(i).get<double>(), parameters.at("default").at(i).get<double>(),
+               words.empty() ? "" : "  ", words);
   }
   fmt::print("beams       {:g} mm wide ({:g} tiling units; one is {:.6g} mm)\n",
              family.at("printed_beam_width").get<double>(), family.at("beam_width").get<double>(),

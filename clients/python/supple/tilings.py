@@ -6,7 +6,7 @@ A tiling's edges are beams of one width, which form the solid structure. Lengths
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Optional, Tuple
+from typing import Annotated, Any, Dict, Optional, Tuple
 
 from ._arrays import Array, Numbers
 from .answers import Cost
@@ -31,6 +31,7 @@ class Family(Shown):
         lattice: the two translations of the cell with default parameters, as rows, shape (2, 2), mm.
         cell_area: area of this cell, holes included, mm^2.
         relative_density: fraction of this cell that is solid.
+        definition: the family as data, as in its file (schema `FamilyDefinition` of the contract); None for "square".
     """
 
     id: str
@@ -45,6 +46,7 @@ class Family(Shown):
     lattice: Annotated[Array, At("/cell/lattice")]
     cell_area: Annotated[float, At("/cell/area")]
     relative_density: Annotated[float, At("/cell/relative_density")]
+    definition: Optional[Dict[str, Any]] = None
 
 
 @dataclass(frozen=True, repr=False)

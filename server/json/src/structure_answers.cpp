@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "answer_parts.h"
+#include "supple/json/family_definitions.h"
 
 namespace supple::json {
 namespace {
@@ -39,7 +40,12 @@ void write_family(JsonWriter& out, const tiling::Structure& preset) {
   out.key("cell").begin_object().field("tiles", preset.tiling.placements.size());
   write_lattice(out, preset.tiling.lattice);
   out.field("area", preset.cell_area).field("relative_density", preset.solid_area / preset.cell_area);
-  out.end_object().end_object();
+  out.end_object().key("definition");
+  if (family.definition)
+    write_family_definition(out, *family.definition);
+  else
+    out.null();
+  out.end_object();
 }
 
 void write_tiles(JsonWriter& out, const tiling::Structure& structure) {

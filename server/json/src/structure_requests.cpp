@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "family_id.h"
 #include "request_parts.h"
 #include "supple/microscale/accurate_simulation.h"
 
@@ -20,16 +21,6 @@ constexpr double max_height = 1000;
 
 bool is_family_character(char c) {
   return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
-}
-
-void read_family(Fields& fields, std::string& out) {
-  const auto* value = fields.required("family");
-  if (!value) return;
-  const auto* text = value->is_string() ? &value->get_ref<const std::string&>() : nullptr;
-  if (!text || text->empty() || text->size() > 32 || !std::all_of(text->begin(), text->end(), is_family_character)) {
-    return fields.faults().add(fields.at("family"), "must be a family's id, for example \"IH21\"");
-  }
-  out = *text;
 }
 
 void read_mesh_options(Fields& fields, tiling::MeshOptions& mesh) {
@@ -175,9 +166,19 @@ void read_options(Fields& fields, SimulationRequest& request) {
 
 }  // namespace
 
+void read_family_id(Fields& fields, std::string_view name, std::string& out) {
+  const auto* value = fields.required(name);
+  if (!value) return;
+  const auto* text = value->is_string() ? &value->get_ref<const std::string&>() : nullptr;
+  if (!text || text->empty() || text->size() > 32 || !std::all_of(text->begin(), text->end(), is_family_character)) {
+    return fields.faults().add(fields.at(name), "must be a family's id, for example \"IH21\"");
+  }
+  out = *text;
+}
+
 StructureSpec read_structure(Fields& fields, const Limits& limits) {
   StructureSpec structure;
-  read_family(fields, structure.family);
+  read_family_id(fields, "family", structure.family);
   if (fields.present("parameters")) {
     structure.parameters.emplace();
     fields.numbers("parameters", *structure.parameters, false, 0, limits.max_parameters);
