@@ -90,6 +90,7 @@ FREE: Dict[str, str] = {
     "relax": """--network --per-face --poisson-disk --spring --adjacent-faces --voronoi-dual --triangle --membrane --fixed --host-kind
         --euclidean --method --tolerance --max-iterations --mollifier --kept-strips --deadline --history --obj --vtu --plot""",
     "voronoi": "--random --sites --method --relative-error --border-deviation --optimize --obj --vtu --svg --csv --deadline",
+    "families": "--check",
     "structure": "--parameters --svg --dxf --stl --beam-width",
     "part": """--parameters --coupon --block --rectangle --outline --request --beam-width --orientation --direction --axis --from --design --frame
         --smallest-wall --thickness --density --whole --step --stl --3mf --dxf --svg""",

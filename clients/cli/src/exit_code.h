@@ -10,7 +10,7 @@ enum class ExitCode : int {
   server_error = 3,  ///< the server answered 5xx
   unreachable = 4,   ///< no server answered, or the connection broke
   local_file = 5,    ///< a local file cannot be read or written
-  violations = 6,    ///< a G-code file violates a rule
+  violations = 6,    ///< a G-code file violates a rule, or a family's definition has faults
   missed = 7,        ///< a design misses its target, or nothing tells whether it reaches it
   interrupted = 130  ///< Ctrl-C; the job on the server was cancelled
 };

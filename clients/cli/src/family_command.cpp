@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "failure.h"
 
 namespace supple::cli {
 namespace {
@@ -38,6 +39,27 @@ void list_families(const nlohmann::json& families) {
   }
 }
 
+void print_findings(const nlohmann::json& findings, const char* kind) {
+  for (const auto& finding : findings) {
+    fmt::print("{} ({}): {} {}\n", kind, finding.at("flaw").get<std::string>(),
+               finding.at("pointer").get<std::string>(), finding.at("message").get<std::string>());
+  }
+}
+
+/// Checks the definition in a file, which may also be what `families --json` has printed of one family.
+void check(const GlobalOptions& options, const std::string& file) {
+  Session session(options);
+  nlohmann::json definition = object_in_file(file);
+  if (definition.contains("definition")) definition = nlohmann::json(definition.at("definition"));
+  const auto answer = session.compute("/v1/family-checks", {{"definition", definition}}).json();
+  if (session.json()) return print_json(answer);
+  print_findings(answer.at("faults"), "fault");
+  print_findings(answer.at("warnings"), "warning");
+  const bool good = answer.at("good").get<bool>();
+  fmt::print("{}\n", good ? "The definition is one of a family." : "The definition is none of a family.");
+  if (!good) throw Failure(ExitCode::violations, "the definition has faults");
+}
+
 void run(const GlobalOptions& options, const std::string& family) {
   Session session(options);
   const nlohmann::json answer = session.http().get(family.empty() ? "/v1/families" : "/v1/families/" + family).json();
@@ -49,10 +71,12 @@ void run(const GlobalOptions& options, const std::string& family) {
 
 void add_family_command(CLI::App& program, const GlobalOptions& options) {
   const auto family = std::make_shared<std::string>();
+  const auto file = std::make_shared<std::string>();
   CLI::App* command = program.add_subcommand("families", "List the families of tilings, or describe one");
-  command->add_option("family", *family, "Family to describe");
-  command->footer("Examples:\n  supple families\n  supple families IH21");
-  command->callback([&options, family] { run(options, *family); });
+  CLI::Option* described = command->add_option("family", *family, "Family to describe");
+  command->add_option("--check", *file, "File with a definition of a family to check")->excludes(described);
+  command->footer("Examples:\n  supple families\n  supple families IH21\n  supple families --check family.json");
+  command->callback([&options, family, file] { file->empty() ? run(options, *family) : check(options, *file); });
 }
 
 }  // namespace supple::cli

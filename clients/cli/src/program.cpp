@@ -45,7 +45,7 @@ Exit status:
   0  done                                     3  the server failed (5xx)
   1  the command line cannot be understood    4  no server answered
   2  the server refused the request (4xx)     5  a local file cannot be read or written
-  6  a G-code file has violations             7  a design misses its target (design --missed-ok: 0)
+  6  a G-code file or a family has faults     7  a design misses its target (design --missed-ok: 0)
   130  Ctrl-C; the computation was cancelled on the server)";
 
 }  // namespace

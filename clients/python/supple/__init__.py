@@ -92,6 +92,7 @@ from .errors import (
     Superseded,
     SuppleError,
 )
+from .families import FamilyCheck, FamilyCheckRequest, FamilyFinding, FamilyTiling
 from .geodesics import ExponentialMapRequest, FieldRequest, GeodesicsRequest, KarcherMeanRequest
 from .hosts import Host, Moving, Shell, Solid, SolidRegion
 from .jobs import Job, JobStatus
@@ -186,7 +187,7 @@ __all__ = [
     "CrossingMember", "CurveNote", "DeadlineExceeded", "DeformedCell", "DeformedPatch", "Design", "DesignCandidate",
     "DesignError", "DesignOptions", "DesignProfile", "DesignRequest", "DesignResult", "DiscretizationError", "Drawing",
     "DrawingRequest", "DrawnPolygon", "Effect", "ErrorStatistics", "Evaluation", "EvaluationRequest", "ExponentialMap",
-    "ExponentialMapRequest", "Family", "Fault", "Field", "FieldRequest", "FitRange", "FollowedStop", "Force", "FoundChannel",
+    "ExponentialMapRequest", "Family", "FamilyCheck", "FamilyCheckRequest", "FamilyFinding", "FamilyTiling", "Fault", "Field", "FieldRequest", "FitRange", "FollowedStop", "Force", "FoundChannel",
     "GcodeReport", "GcodeReportRequest", "Geodesic", "GeodesicsRequest", "Gradient", "GreenStrain", "Grip", "HeldPlace",
     "Hessian", "Host", "HostState", "InvalidDesign", "InvalidHost", "InvalidMesh", "InvalidNetwork", "InvalidPoint",
     "InvalidRequest", "InvalidStructure", "InvalidVoronoi", "InvalidWeave", "Job", "JobCancelled", "JobStatus",

@@ -16,6 +16,7 @@ from .conversion import arrays_of
 from .designs import DesignRequest, ProfileRequest, RegionsRequest
 from .drawings import DrawingRequest
 from .errors import ConnectionFailed, RequestTimeout, ServerBusy
+from .families import FamilyCheckRequest
 from .jobs import Job, JobStatus
 from .mesh import Mesh
 from .models import Model, ModelInfo
@@ -159,6 +160,11 @@ class Client(Connection):
         """A family by its id, such as "IH21". Raises `NotFound`."""
         return decode(Family, self._get("/v1/families", family_id))
 
+    def isohedral_types(self) -> List[Dict[str, Any]]:
+        """The table of the 81 isohedral types, by their numbers (schema `IsohedralType` of the contract)."""
+        types: List[Dict[str, Any]] = self._get("/v1/isohedral-types")["types"]
+        return types
+
     def models(self) -> List[Model]:
         """The neural models that the server has, in the order of their ids."""
         return [Model(self._transport, info) for info in decode_all(ModelInfo, self._get("/v1/models")["models"])]
@@ -167,6 +173,7 @@ class Client(Connection):
         """A neural model by its id, such as "ih21". Raises `NotFound`."""
         return Model(self._transport, decode(ModelInfo, self._get("/v1/models", model_id)))
 
+    check_family = runs(FamilyCheckRequest)
     structure = runs(StructureRequest)
     structure_file = runs(StructureFileRequest)
     simulate = runs(SimulationRequest)

@@ -207,6 +207,7 @@ SAMPLES: List[Request[Any]] = [
     supple.VoronoiRequest(MESH, supple.RandomSites(5, 2), relative_error=0.1, pieces=True, statistics=False),
     supple.VoronoiFileRequest(MESH, [0, 1], kind="svg", panel_scale=250.0),
     supple.VoronoiOptimizationRequest(MESH, [0, 1], {"planarity": 2}, [1], supple.VoronoiOptions(0.5, "lbfgs", 1e-4, 7, 1e-2)),
+    supple.FamilyCheckRequest({"id": "own", "description": "Hexagons", "parameters": [], "beam_width": 0.1, "isohedral_type": 20}, [0.5]),
     supple.StructureRequest("IH21", [0.1, 0.5], 0.4, 0.5, 0.1, "tile"),
     supple.StructureFileRequest("IH21", None, "stl", (1, 3), 5.0),
     *(supple.SimulationRequest("IH21", [0.1], load, {"law": "neo_hookean"}, 0.5, 0.1, "cell", 0.1, 1e-6, 0.1, 9, "on", "off", "on",

@@ -126,15 +126,17 @@ class BoxSurvey {
         starts_(edge_starts(definition)),
         samples_(box_samples(definition, definition.parameters.empty() ? 0 : survey_samples)) {}
 
-  std::vector<DefinitionFinding> run() {
-    for (const auto& sample : samples_) {
+  std::vector<DefinitionFinding> run(const Execution& execution) {
+    for (std::size_t k = 0; k < samples_.size(); ++k) {
+      execution.checkpoint(0.5 + 0.4 * static_cast<double>(k) / static_cast<double>(samples_.size()), "survey");
+      const std::vector<double>& sample = samples_[k];
       if (const auto crossing = crossing_of(definition_, sample)) {
         remember(crossing->edges, sample);
       } else {
         measure(sample);
       }
     }
-    std::vector<DefinitionFinding> findings = crossings();
+    std::vector<DefinitionFinding> findings = crossings(execution);
     add_sliver(findings, corners_,
                "is the tip of a corner of " + number_text(corners_.size * 180 / std::numbers::pi) +
                    " degrees (slivers are below " + number_text(min_corner_angle * 180 / std::numbers::pi) + ")");
@@ -159,9 +161,10 @@ class BoxSurvey {
 
   /// Where a crossing begins on the way from the default to each of these samples. Several ways may lead to the same
   /// pair of edges.
-  std::vector<DefinitionFinding> crossings() const {
+  std::vector<DefinitionFinding> crossings(const Execution& execution) const {
     std::map<EdgePair, std::pair<std::vector<double>, Crossing>> first;
     for (const auto& [edges, sample] : nearest_) {
+      execution.checkpoint(0.9, "survey");
       double good = 0, bad = 1;
       while (bad - good > bisection_precision) {
         const double middle = (good + bad) / 2;
@@ -266,7 +269,9 @@ std::vector<std::vector<double>> box_samples(const FamilyDefinition& definition,
   return samples;
 }
 
-std::vector<DefinitionFinding> survey_box(const FamilyDefinition& definition) { return BoxSurvey(definition).run(); }
+std::vector<DefinitionFinding> survey_box(const FamilyDefinition& definition, const Execution& execution) {
+  return BoxSurvey(definition).run(execution);
+}
 
 std::optional<DefinitionFinding> crossing_at(const FamilyDefinition& definition,
                                              const std::vector<double>& parameters) {

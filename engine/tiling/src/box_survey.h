@@ -12,7 +12,7 @@ std::vector<std::vector<double>> box_samples(const FamilyDefinition& definition,
 
 /// Where in the box the tile begins to cross itself, and where its slivers are. The definition must have no faults, and
 /// must not cross itself at the default parameters.
-std::vector<DefinitionFinding> survey_box(const FamilyDefinition& definition);
+std::vector<DefinitionFinding> survey_box(const FamilyDefinition& definition, const Execution& execution);
 
 /// The crossing of the tile at these parameters, if there is one.
 std::optional<DefinitionFinding> crossing_at(const FamilyDefinition& definition, const std::vector<double>& parameters);

@@ -22,14 +22,17 @@ std::optional<DefinitionFinding> cover_finding(const FamilyDefinition& definitio
 }
 
 /// What is wrong with the tile at the default parameters, or else with how its copies cover the plane somewhere.
-std::optional<DefinitionFinding> drawn_fault(const FamilyDefinition& definition) {
+std::optional<DefinitionFinding> drawn_fault(const FamilyDefinition& definition, const Execution& execution) {
+  const StageTimer timer(execution.cost, "drawing");
   const auto samples = box_samples(definition, definition.parameters.empty() ? 0 : cover_samples);
   const std::vector<double>& defaults = samples.front();
   if (auto crossing = crossing_at(definition, defaults)) return crossing;
   if (area(tiling_at(definition, defaults).tiles[0]) <= 0)
     return DefinitionFinding{DefinitionFlaw::field, "tile/vertices", "must be counterclockwise", defaults, {}};
-  for (const auto& sample : samples)
-    if (auto fault = cover_finding(definition, sample)) return fault;
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    execution.checkpoint(0.5 * static_cast<double>(k) / static_cast<double>(samples.size()), "drawing");
+    if (auto fault = cover_finding(definition, samples[k])) return fault;
+  }
   return std::nullopt;
 }
 
@@ -39,12 +42,20 @@ void keep_first(std::vector<DefinitionFinding>& findings) {
 
 }  // namespace
 
-DefinitionReport check_definition(const FamilyDefinition& definition) {
+DefinitionReport check_definition(const FamilyDefinition& definition, const Execution& execution) {
   DefinitionReport report{.faults = field_faults(definition), .warnings = {}};
   if (report.good()) {
-    if (auto fault = drawn_fault(definition)) report.faults.push_back(std::move(*fault));
+    if (auto fault = drawn_fault(definition, execution)) report.faults.push_back(std::move(*fault));
   }
-  if (report.good()) report.warnings = survey_box(definition);
+  const bool surveys = report.good();
+  if (surveys) {
+    const StageTimer timer(execution.cost, "survey");
+    report.warnings = survey_box(definition, execution);
+  }
+  if (execution.cost) {
+    execution.cost->add_effect("survey", surveys,
+                               surveys ? "the definition has no faults" : "the definition has faults");
+  }
   keep_first(report.faults);
   keep_first(report.warnings);
   return report;

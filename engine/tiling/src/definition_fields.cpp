@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "defined_outline.h"
 #include "supple/base/number_text.h"
 #include "supple/tiling/isohedral_types.h"
 
@@ -37,6 +38,7 @@ class FieldCheck {
     check_tile();
     check_shapes();
     check_type();
+    if (faults_.empty()) check_outline();
     if (faults_.empty()) check_use();
     return std::move(faults_);
   }
@@ -211,6 +213,13 @@ class FieldCheck {
       default:
         return "I";
     }
+  }
+
+  void check_outline() {
+    const std::size_t points = edge_starts(definition_).back();
+    require(points <= max_outline_points, "tile",
+            "must have at most " + std::to_string(max_outline_points) +
+                " points, those of its edges included, but has " + std::to_string(points));
   }
 
   void check_use() {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "family_id.h"
+#include "family_fields.h"
 #include "request_parts.h"
 #include "supple/tiling/isohedral_types.h"
 
@@ -238,12 +238,14 @@ void write_shape(JsonWriter& out, const tiling::EdgeShape& shape) {
 
 }  // namespace
 
+FamilyDefinition read_family_definition(Fields& fields) { return DefinitionReader(fields).read(); }
+
 FamilyDefinition parse_family_definition(std::string_view body, const Limits& limits,
                                          const CancellationToken& cancellation) {
   const auto document = parse_document(body, limits, cancellation);
   Faults faults(cancellation);
   Fields fields(document, "", faults);
-  FamilyDefinition definition = DefinitionReader(fields).read();
+  FamilyDefinition definition = read_family_definition(fields);
   fields.finish();
   faults.throw_if_any();
   return definition;
@@ -275,6 +277,21 @@ void write_family_definition(JsonWriter& out, const FamilyDefinition& definition
 std::string write_family_definition(const FamilyDefinition& definition) {
   JsonWriter out;
   write_family_definition(out, definition);
+  return out.take();
+}
+
+std::string write_isohedral_types() {
+  JsonWriter out;
+  out.begin_object().key("types").begin_array();
+  for (const auto& type : tiling::isohedral_types()) {
+    out.begin_object().field("number", type.number).key("defaults").numbers(type.defaults);
+    out.key("classes").begin_array();
+    for (const auto symmetry : type.symmetries) out.string(class_names.name_of(symmetry));
+    out.end_array();
+    write_tile(out, type.tile);
+    out.end_object();
+  }
+  out.end_array().end_object();
   return out.take();
 }
 

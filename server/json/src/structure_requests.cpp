@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "family_id.h"
+#include "family_fields.h"
 #include "request_parts.h"
 #include "supple/microscale/accurate_simulation.h"
 

@@ -186,6 +186,16 @@ TEST(DefinitionCheck, NamesFieldsThatDoNotGoTogether) {
   definition.shapes[0].symmetry = EdgeSymmetry::point_symmetric;
   expect_fault(definition, Flaw::field, "shapes/0/sines/0");
   definition = bricks();
+  std::get<SineEdge>(definition.shapes[0].line).pieces = 200;
+  expect_fault(definition, Flaw::field, "shapes/0/pieces");
+  definition = bricks();
+  definition.shapes[1] = {EdgeSymmetry::any, SineEdge{{0.05}, 64}};
+  std::get<SineEdge>(definition.shapes[0].line).pieces = 64;
+  EXPECT_TRUE(check_definition(definition).good()) << "256 points";
+  definition.shapes[0] = {EdgeSymmetry::point_symmetric,
+                          PolylineEdge{std::vector<ExpressionPoint>(32, {0.25, {0, 1}})}};
+  expect_fault(definition, Flaw::field, "tile");
+  definition = bricks();
   definition.id = "two words";
   expect_fault(definition, Flaw::field, "id");
   definition = bricks();

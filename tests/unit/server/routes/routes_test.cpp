@@ -103,6 +103,10 @@ INSTANTIATE_TEST_SUITE_P(
                 " /parameters/1"},
         Refused{"structures", "{'family':'IH50','mesh':{'mesh_size':0.01}}", 422, "tiling.mesh_too_large",
                 " /mesh/mesh_size"},
+        Refused{"family-checks",
+                "{'definition':{'id':'w','description':'','parameters':[{'description':'','lower':0.1,'upper':0.2,"
+                "'default':0.1}],'beam_width':[0,1],'isohedral_type':20},'parameters':[0.3]}",
+                422, "tiling.parameter_out_of_bounds", " /parameters/0"},
         Refused{"simulations", "{'family':'IH21','load':{'green_strain':[[0,0,0],[-0.6,0,0]]}}", 422,
                 "simulation.invalid_load", " /load/green_strain/1"},
         Refused{"simulations", "{'family':'IH50','load':{'green_strain':[[0,0,0]]},'accuracy':{'mesh_size':0.01}}", 422,

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "supple/base/execution.h"
 #include "supple/tiling/family_definition.h"
 
 namespace supple::tiling {
@@ -43,11 +44,12 @@ struct DefinitionReport {
 /// that crosses itself at the default parameters. Where a tile begins to cross itself within the box, and where
 /// corners, sides or straits are slivers, is a warning, since a family may be used beside these places: IH01 is.
 ///
-/// Gaps and overlaps are looked for at the default, at the corners of the box and at 64 points of a Sobol sequence: each
-/// edge of a tile must be that of one other tile in the opposite direction, and the areas must add up to that of the cell.
-/// Vertices are affine functions, so that straight edges that match there match all over the box. Crossings are looked for
-/// at 256 such points, and the place nearest to the default where one begins is found by bisection to 1e-6 of the box.
-/// Findings depend on the definition alone. It takes 1 to 300 ms.
-DefinitionReport check_definition(const FamilyDefinition& definition);
+/// Gaps and overlaps are looked for at the default, at the corners of the box and at 64 points of a Sobol sequence:
+/// each edge of a tile must be that of one other tile in the opposite direction, and the areas must add up to that of
+/// the cell. Vertices are affine functions, so that straight edges that match there match all over the box. Crossings
+/// are looked for at 256 such points, and the place nearest to the default where one begins is found by bisection to
+/// 1e-6 of the box. Findings depend on the definition alone. It takes 1 to 300 ms, and bills the effect "survey" and
+/// the stages "drawing" and "survey".
+DefinitionReport check_definition(const FamilyDefinition& definition, const Execution& execution = {});
 
 }  // namespace supple::tiling

@@ -128,6 +128,7 @@ inline constexpr int max_polyline_points = 32;
 inline constexpr int max_sines = 8;
 inline constexpr int min_sine_pieces = 2;
 inline constexpr int max_sine_pieces = 64;
+inline constexpr int max_outline_points = 256;  ///< of a tile with all points of its edges
 inline constexpr double max_coordinate = 1000;  ///< tiling units; the greatest coordinate within the box
 
 /// The tiling at parameters, of which there must be as many as the definition has. The definition must be one that

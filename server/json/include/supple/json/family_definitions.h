@@ -21,4 +21,7 @@ tiling::FamilyDefinition parse_family_definition(std::string_view body, const Li
 void write_family_definition(JsonWriter& out, const tiling::FamilyDefinition& definition);
 std::string write_family_definition(const tiling::FamilyDefinition& definition);
 
+/// The table of the 81 isohedral types.
+std::string write_isohedral_types();
+
 }  // namespace supple::json
