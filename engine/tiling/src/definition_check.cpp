@@ -13,8 +13,8 @@ constexpr std::size_t max_findings = 20;
 constexpr int cover_samples = 64;
 
 std::optional<DefinitionFinding> cover_finding(const FamilyDefinition& definition,
-                                               const std::vector<double>& parameters) {
-  const auto fault = cover_fault(tiling_at(definition, parameters), edge_starts(definition));
+                                               const std::vector<double>& parameters, const Execution& execution) {
+  const auto fault = cover_fault(tiling_at(definition, parameters), edge_starts(definition), execution);
   if (!fault) return std::nullopt;
   std::string where = "tile";
   if (fault->edge) where += (definition.tile.edges.empty() ? "/vertices/" : "/edges/") + std::to_string(*fault->edge);
@@ -31,7 +31,7 @@ std::optional<DefinitionFinding> drawn_fault(const FamilyDefinition& definition,
     return DefinitionFinding{DefinitionFlaw::field, "tile/vertices", "must be counterclockwise", defaults, {}};
   for (std::size_t k = 0; k < samples.size(); ++k) {
     execution.checkpoint(0.5 * static_cast<double>(k) / static_cast<double>(samples.size()), "drawing");
-    if (auto fault = cover_finding(definition, samples[k])) return fault;
+    if (auto fault = cover_finding(definition, samples[k], execution)) return fault;
   }
   return std::nullopt;
 }

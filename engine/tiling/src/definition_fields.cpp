@@ -12,7 +12,7 @@ namespace supple::tiling {
 namespace {
 
 constexpr std::size_t max_id_length = 32;
-constexpr double max_mesh_size = 2;  ///< beam widths
+constexpr double max_sufficient_mesh_size = 2;  ///< beam widths
 /// Largest coordinate of an edge's points in chord lengths.
 constexpr double max_chord_coordinate = 10;
 /// Largest deviation of a placement from an orthogonal matrix. Tables have twelve digits.
@@ -59,8 +59,8 @@ class FieldCheck {
     const std::string& id = definition_.id;
     require(!id.empty() && id.size() <= max_id_length && std::all_of(id.begin(), id.end(), is_letter), "id",
             "must be 1 to 32 letters, digits, \"_\" or \"-\"");
-    require(definition_.sufficient_mesh_size > 0 && definition_.sufficient_mesh_size <= max_mesh_size, "mesh_size",
-            "must be above 0 and at most " + number_text(max_mesh_size));
+    require(definition_.sufficient_mesh_size > 0 && definition_.sufficient_mesh_size <= max_sufficient_mesh_size,
+            "mesh_size", "must be above 0 and at most " + number_text(max_sufficient_mesh_size));
   }
 
   void check_parameters() {

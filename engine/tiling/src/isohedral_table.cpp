@@ -437,7 +437,7 @@ constexpr double ih93[] = {
   1, 0, -0.5, 0.866025403784, -0.5, -0.866025403784, 1.5, 0.866025403784, 0, 1.73205080757, 1, 0, 0, 1, 0, 0,
   -1, 0, 0, -1, 0.5, 0.866025403784};
 
-constexpr IsohedralRow rows[] = {
+constexpr IsohedralRow table[] = {
   {1, 4, 1, "Ja Jb Jc Jat Jbt Jct", ih01},
   {2, 4, 2, "Ja Jam Jb Jc Jcm Jbt", ih02},
   {3, 4, 2, "Ja Jb Jam Jc Jbt Jcm", ih03},
@@ -524,6 +524,6 @@ constexpr IsohedralRow rows[] = {
 
 }  // namespace
 
-std::span<const IsohedralRow> isohedral_rows() { return rows; }
+std::span<const IsohedralRow> isohedral_rows() { return table; }
 
 }  // namespace supple::tiling

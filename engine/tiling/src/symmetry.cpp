@@ -106,17 +106,35 @@ AffineTile affine_tile(const Family& family, const Eigen::VectorXd& p) {
   return tile;
 }
 
+/// The parameters that no vertex depends on, such as the width of the beams.
+std::vector<long> parameters_without_effect(const AffineTile& tile) {
+  std::vector<long> result;
+  for (long k = 0; k < tile.slopes.cols(); ++k)
+    if (tile.slopes.col(k).cwiseAbs().maxCoeff() < equality_tolerance) result.push_back(k);
+  return result;
+}
+
 /// An affine map of the parameters, as {linear, constant}.
 using ParameterMap = std::pair<Eigen::MatrixXd, Eigen::VectorXd>;
 
 /// The map p -> p' such that the tile at p' is, up to a translation, the tile at p rotated or reflected, with vertex i
-/// at the image of vertex `first` + i, or `first` - i if reflected. None if there is no such map.
+/// at the image of vertex `first` + i, or `first` - i if reflected. Parameters that no vertex depends on stay as they
+/// are. None if there is no such map.
 std::optional<ParameterMap> parameter_map(const AffineTile& tile, const Eigen::Matrix2d& operation, long first) {
   const long n = tile.constant.size() / 2;
   const long parameters = tile.slopes.cols();
   const bool reflects = operation.determinant() < 0;
-  Eigen::MatrixXd matrix(2 * n, parameters + 2);  // for the unknown new parameters and a translation
-  Eigen::MatrixXd image(2 * n, parameters + 1);   // for the old parameters, and the constant
+  const std::vector<long> fixed = parameters_without_effect(tile);
+  const long rows = 2 * n + static_cast<long>(fixed.size());
+  // The unknowns are the new parameters and a translation. The right-hand sides belong to the old parameters and to the
+  // constant.
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(rows, parameters + 2);
+  Eigen::MatrixXd image = Eigen::MatrixXd::Zero(rows, parameters + 1);
+  for (std::size_t k = 0; k < fixed.size(); ++k) {
+    const long row = 2 * n + static_cast<long>(k);
+    matrix(row, fixed[k]) = 1;
+    image(row, fixed[k]) = 1;
+  }
   for (long i = 0; i < n; ++i) {
     const long from = (first + (reflects ? n - i : i)) % n;
     matrix.block(2 * i, 0, 2, parameters) = tile.slopes.middleRows(2 * i, 2);

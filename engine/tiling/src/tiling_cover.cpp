@@ -16,6 +16,9 @@ constexpr double match_tolerance = 1e-7;
 constexpr double min_cell_area = 1e-6;
 /// Points of the raster that is searched for gaps and overlaps, along each translation.
 constexpr int raster = 40;
+/// Sides of translates that are examined at each point of the raster, at most. Tiles that overlap so often need no
+/// place.
+constexpr double max_examined_sides = 3e5;
 
 /// A placed edge: its points in the direction in which its tile lies to the left.
 struct PlacedEdge {
@@ -89,14 +92,31 @@ struct Covering {
   double distance = INFINITY;
 };
 
+/// The steps of the lattice from a point to the translates of a tile whose bounds contain it, and to those next to
+/// them.
+struct Steps {
+  Eigen::Vector2d middle, reach;
+
+  Steps(const Eigen::Vector2d& point, const Bounds& bounds, const Eigen::Matrix2d& inverse)
+      : middle(inverse * (point - bounds.middle())),
+        reach(inverse.cwiseAbs() * (bounds.upper - bounds.lower) / 2 + Eigen::Vector2d::Ones()) {}
+};
+
+double sides_to_examine(const std::vector<Polygon>& tiles, const Eigen::Matrix2d& lattice) {
+  const Eigen::Matrix2d inverse = lattice.inverse();
+  double sides = 0;
+  for (const Polygon& tile : tiles) {
+    const Steps steps(Eigen::Vector2d::Zero(), bounds_of(tile), inverse);
+    sides += (2 * steps.reach[0] + 1) * (2 * steps.reach[1] + 1) * static_cast<double>(tile.size());
+  }
+  return sides;
+}
+
 Covering covering_at(const Eigen::Vector2d& point, const std::vector<Polygon>& tiles, const Eigen::Matrix2d& lattice) {
   Covering covering;
   const Eigen::Matrix2d inverse = lattice.inverse();
   for (const Polygon& tile : tiles) {
-    // The translates whose bounds contain the point, and those next to them.
-    const Bounds bounds = bounds_of(tile);
-    const Eigen::Vector2d middle = inverse * (point - bounds.middle());
-    const Eigen::Vector2d reach = inverse.cwiseAbs() * (bounds.upper - bounds.lower) / 2 + Eigen::Vector2d::Ones();
+    const auto [middle, reach] = Steps(point, bounds_of(tile), inverse);
     for (int i = static_cast<int>(std::ceil(middle[0] - reach[0])); i <= middle[0] + reach[0]; ++i)
       for (int j = static_cast<int>(std::ceil(middle[1] - reach[1])); j <= middle[1] + reach[1]; ++j) {
         const Eigen::Vector2d from = point - lattice * Eigen::Vector2d(i, j);
@@ -114,13 +134,15 @@ std::string place_text(const Eigen::Vector2d& point) {
 }
 
 /// The deepest gap that the raster finds, or else the deepest overlap.
-std::optional<CoverFault> gap_or_overlap(const Tiling& tiling) {
+std::optional<CoverFault> gap_or_overlap(const Tiling& tiling, const Execution& execution) {
   std::vector<Polygon> tiles;
   for (const Placement& placement : tiling.placements) tiles.push_back(placed(tiling.tiles[0], placement));
+  if (sides_to_examine(tiles, tiling.lattice) > max_examined_sides) return std::nullopt;
   std::optional<CoverFault> gap, overlap;
   double gap_depth = 0, overlap_depth = 0;
   for (int i = 0; i < raster; ++i)
     for (int j = 0; j < raster; ++j) {
+      execution.cancellation.throw_if_requested();
       const Eigen::Vector2d point = tiling.lattice * Eigen::Vector2d(i + 0.5, j + 0.5) / raster;
       const auto [windings, distance] = covering_at(point, tiles, tiling.lattice);
       if (windings < 1 && distance > gap_depth) {
@@ -139,7 +161,8 @@ std::optional<CoverFault> gap_or_overlap(const Tiling& tiling) {
 
 }  // namespace
 
-std::optional<CoverFault> cover_fault(const Tiling& tiling, std::span<const std::size_t> edge_starts) {
+std::optional<CoverFault> cover_fault(const Tiling& tiling, std::span<const std::size_t> edge_starts,
+                                      const Execution& execution) {
   const double cell = std::abs(tiling.lattice.determinant());
   if (!(cell > min_cell_area * tiling.lattice.col(0).norm() * tiling.lattice.col(1).norm()))
     return CoverFault{DefinitionFlaw::field, {}, "has translations that are parallel", {}};
@@ -147,8 +170,8 @@ std::optional<CoverFault> cover_fault(const Tiling& tiling, std::span<const std:
   const PlacedEdge* unmatched = unmatched_edge(edges, EdgeMatcher(tiling.lattice));
   const double ratio = static_cast<double>(tiling.placements.size()) * area(tiling.tiles[0]) / cell;
   if (!unmatched && std::abs(ratio - 1) <= match_tolerance) return std::nullopt;
-  std::optional<CoverFault> fault = gap_or_overlap(tiling);
-  if (!fault && unmatched) {
+  std::optional<CoverFault> fault = gap_or_overlap(tiling, execution);
+  if (!fault && unmatched && std::abs(ratio - 1) <= match_tolerance) {
     const Eigen::Vector2d middle = (unmatched->points.front() + unmatched->points.back()) / 2;
     fault = {DefinitionFlaw::unmatched, unmatched->edge,
              "has an edge near " + place_text(middle) + " that is no edge of exactly one other tile", middle};

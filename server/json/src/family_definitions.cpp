@@ -16,8 +16,8 @@ using tiling::FamilyDefinition;
 
 // The ranges of api/openapi.yaml.
 constexpr double max_coefficient = 1e6;
-constexpr double max_mesh_size = 2;
-constexpr double min_mesh_size = 0.01;
+constexpr double max_sufficient_mesh_size = 2;
+constexpr double min_sufficient_mesh_size = 0.01;
 constexpr std::size_t max_description_bytes = 500;
 constexpr std::size_t max_shapes = tiling::max_tile_vertices;
 
@@ -37,7 +37,7 @@ class DefinitionReader {
     read_parameters();
     if (const auto* width = fields_.required("beam_width"))
       definition_.beam_width = expression(*width, fields_.at("beam_width"));
-    fields_.number("mesh_size", definition_.sufficient_mesh_size, min_mesh_size, max_mesh_size);
+    fields_.number("mesh_size", definition_.sufficient_mesh_size, min_sufficient_mesh_size, max_sufficient_mesh_size);
     read_shapes();
     read_tile_or_type();
     return std::move(definition_);

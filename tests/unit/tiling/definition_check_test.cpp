@@ -44,8 +44,8 @@ void expect_fault(const FamilyDefinition& definition, Flaw flaw, const std::stri
   EXPECT_EQ(fault.where, where) << fault.message;
 }
 
-const DefinitionFinding* find(const std::vector<DefinitionFinding>& findings, Flaw flaw,
-                              const std::string& words = "") {
+const DefinitionFinding* find_in(const std::vector<DefinitionFinding>& findings, Flaw flaw,
+                                 const std::string& words = "") {
   const auto found = std::find_if(findings.begin(), findings.end(), [&](const DefinitionFinding& finding) {
     return finding.flaw == flaw && finding.message.find(words) != std::string::npos;
   });
@@ -117,6 +117,15 @@ TEST(DefinitionCheck, FindsTilesThatCoverThePlaneTwice) {
   FamilyDefinition definition = bricks();
   definition.tile.placements.push_back(definition.tile.placements[0]);
   expect_fault(definition, Flaw::overlap, "tile/edges/0");
+}
+
+TEST(DefinitionCheck, NeedsNoPlaceWhereTilesOverlapMillionsOfTimes) {
+  FamilyDefinition definition = bricks();
+  definition.tile.translations = {{{1e-6, 0}, {0, 1e-6}}};
+  const DefinitionFinding fault = only_fault(definition);
+  EXPECT_EQ(fault.flaw, Flaw::overlap);
+  EXPECT_FALSE(fault.point);
+  EXPECT_NE(fault.message.find("2e+12 times the cell's area"), std::string::npos) << fault.message;
 }
 
 TEST(DefinitionCheck, FindsVerticesThatLieOnSidesOfOtherTiles) {
@@ -225,13 +234,13 @@ TEST(DefinitionCheck, LocatesWhereCrossingsBeginWithinTheBox) {
   for (const FamilyDefinition& definition : shipped_definitions()) {
     if (definition.id != "IH67") continue;
     const DefinitionReport report = check_definition(definition);
-    const DefinitionFinding* crossing = find(report.warnings, Flaw::crossing);
+    const DefinitionFinding* crossing = find_in(report.warnings, Flaw::crossing);
     ASSERT_TRUE(crossing);
     ASSERT_EQ(crossing->parameters.size(), 2u);
     // The upper side of the trapezoid has the length 7 - 6.9 p2.
     EXPECT_NEAR(crossing->parameters[1], 7 / 6.9, 1e-5);
     EXPECT_NE(crossing->message.find("% of the box"), std::string::npos) << crossing->message;
-    EXPECT_TRUE(find(report.warnings, Flaw::sliver, "begins a side of"));
+    EXPECT_TRUE(find_in(report.warnings, Flaw::sliver, "begins a side of"));
   }
 }
 
@@ -241,15 +250,15 @@ TEST(DefinitionCheck, WarnsOfSliversWithTheirPlaces) {
   definition.tile.vertices[2].y = definition.tile.vertices[3].y = definition.tile.translations[1].y = {0, 0, 1};
   const DefinitionReport report = check_definition(definition);
   ASSERT_TRUE(report.good());
-  const DefinitionFinding* side = find(report.warnings, Flaw::sliver, "begins a side of 1.2 beam widths");
+  const DefinitionFinding* side = find_in(report.warnings, Flaw::sliver, "begins a side of 1.2 beam widths");
   ASSERT_TRUE(side);
   EXPECT_EQ(side->parameters[1], 0.12);
-  const DefinitionFinding* strait = find(report.warnings, Flaw::sliver, "from another one");
+  const DefinitionFinding* strait = find_in(report.warnings, Flaw::sliver, "from another one");
   ASSERT_TRUE(strait);
   EXPECT_EQ(strait->parameters[1], 0.12);
   ASSERT_TRUE(strait->point);
   definition.parameters[1].range.lower = 0.5;
-  EXPECT_FALSE(find(check_definition(definition).warnings, Flaw::sliver, "begins a side"));
+  EXPECT_FALSE(find_in(check_definition(definition).warnings, Flaw::sliver, "begins a side"));
 }
 
 TEST(DefinitionCheck, SaysTheSameEachTime) {

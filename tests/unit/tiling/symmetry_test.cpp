@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "polygon.h"
+#include "supple/tiling/family_definition.h"
 
 namespace supple::tiling {
 namespace {
@@ -67,6 +68,27 @@ TEST(Symmetry, IsAGroupWithTheIdentityFirst) {
           return (c.operation - operation).norm() < 1e-9 && (c.image(p) - image).norm() < 1e-9;
         })) << family.id;
       }
+  }
+}
+
+TEST(Symmetry, LeavesTheWidthOfBeamsAsItIs) {
+  for (const FamilyDefinition& fixed : shipped_definitions()) {
+    FamilyDefinition varying = fixed;
+    const auto width = static_cast<long>(fixed.parameters.size());
+    varying.parameters.push_back({"width", {0.02, 0.2, 0.1}});
+    varying.beam_width = {};
+    varying.beam_width.slopes.assign(varying.parameters.size(), 0);
+    varying.beam_width.slopes.back() = 1;
+    const Family family = make_family(varying);
+    const auto expected = symmetries(make_family(fixed)), found = symmetries(family);
+    ASSERT_EQ(found.size(), expected.size()) << fixed.id;
+    const auto p = somewhere(family);
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      EXPECT_LT((found[k].operation - expected[k].operation).norm(), 1e-12) << fixed.id;
+      const Eigen::VectorXd image = found[k].image(p);
+      EXPECT_NEAR(image[width], p[width], 1e-12) << fixed.id;
+      EXPECT_LT((image.head(width) - expected[k].image(p.head(width))).norm(), 1e-9) << fixed.id;
+    }
   }
 }
 

@@ -23,7 +23,7 @@ std::string file_of(const std::string& id) {
 }
 
 // A definition of a square whose fields can be replaced: the text after "parameters" is given.
-std::string square(const std::string& fields) {
+std::string square_definition(const std::string& fields) {
   return R"({"id":"own","description":"A square","parameters":[{"description":"bend","lower":-0.2,"upper":0.2,"default":0.1}],)" +
          fields + "}";
 }
@@ -75,7 +75,8 @@ TEST(FamilyDefinitions, OfATypeWithoutShapesHaveStraightEdgesOfItsClasses) {
 
 TEST(FamilyDefinitions, ReadAndWriteTilesOfOnesOwn) {
   const auto definition = parse_family_definition(
-      square(std::string(square_tile) + R"(,"shapes":[{"class":"U","points":[[0.5,[0,1]]]},{"class":"I"}])"), {});
+      square_definition(std::string(square_tile) + R"(,"shapes":[{"class":"U","points":[[0.5,[0,1]]]},{"class":"I"}])"),
+      {});
   EXPECT_EQ(definition.isohedral_type, 0);
   EXPECT_EQ(definition.tile.edges[2], (tiling::TileEdge{0, true, true}));
   EXPECT_EQ(definition.tile.edges[1], (tiling::TileEdge{1, false, false}));
@@ -85,14 +86,14 @@ TEST(FamilyDefinitions, ReadAndWriteTilesOfOnesOwn) {
 }
 
 TEST(FamilyDefinitions, PointToEachFieldAtFault) {
-  EXPECT_EQ(faults_of(square(R"("beam_width":[0,1,2],"isohedral_type":19)")),
+  EXPECT_EQ(faults_of(square_definition(R"("beam_width":[0,1,2],"isohedral_type":19)")),
             (Pointers{"/beam_width", "/isohedral_type"}));
-  EXPECT_EQ(faults_of(square(R"("beam_width":0.1)")), Pointers{"/tile"});
-  EXPECT_EQ(faults_of(square(std::string(square_tile) + R"(,"isohedral_type":12)")), Pointers{"/tile"});
-  EXPECT_EQ(faults_of(square(std::string(square_tile) +
-                             R"(,"shapes":[{"class":"K"},{"points":[[0.5,0]],"sines":[1],"class":"J"}])")),
+  EXPECT_EQ(faults_of(square_definition(R"("beam_width":0.1)")), Pointers{"/tile"});
+  EXPECT_EQ(faults_of(square_definition(std::string(square_tile) + R"(,"isohedral_type":12)")), Pointers{"/tile"});
+  EXPECT_EQ(faults_of(square_definition(std::string(square_tile) +
+                                        R"(,"shapes":[{"class":"K"},{"points":[[0.5,0]],"sines":[1],"class":"J"}])")),
             (Pointers{"/shapes/0/class", "/shapes/1"}));
-  EXPECT_EQ(faults_of(square(
+  EXPECT_EQ(faults_of(square_definition(
                 R"("beam_width":"thin","tile":{"vertices":[[0,0],[1],[1,[]],[0,[0,1e7]]],"translations":[[1,0],[0,1]],)"
                 R"("placements":[{"linear":[1,0,0,2],"offset":[0,0],"scale":2}]})")),
             (Pointers{"/beam_width", "/tile/vertices/1", "/tile/vertices/2/1", "/tile/vertices/3/1/1",
