@@ -19,6 +19,10 @@ int main(int argc, char** argv) {
     for (std::atomic<std::uint64_t> turns = 0;; ++turns) {
     }
   };
+  tasks["spin for a second"] = [&tasks](std::string_view request) {
+    supple::limit_cpu_time(std::chrono::seconds(1));
+    return tasks["spin"](request);
+  };
   tasks["crash"] = [](std::string_view) -> std::string {
     std::signal(SIGSEGV, SIG_DFL);  // removes the handler of a sanitizer
     std::raise(SIGSEGV);

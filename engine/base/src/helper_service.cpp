@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
@@ -127,6 +128,13 @@ int status_of(pid_t child) {
 }
 
 }  // namespace
+
+void limit_cpu_time(std::chrono::seconds time) {
+  rlimit limit{};
+  ::getrlimit(RLIMIT_CPU, &limit);
+  limit.rlim_cur = std::min(limit.rlim_max, static_cast<rlim_t>(time.count()));
+  ::setrlimit(RLIMIT_CPU, &limit);
+}
 
 int serve_as_helper(int argc, char** argv, const HelperTasks& tasks) {
   if (argc != 2) return 2;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -20,6 +21,9 @@ namespace supple::neural {
 namespace {
 
 constexpr std::string_view read_task = "neural/model";
+
+/// A model takes less than a second, so that a file which takes longer than this is none.
+constexpr std::chrono::seconds max_read_cpu_time{60};
 
 using files::Hdf5Reader;
 using files::Hdf5Writer;
@@ -363,7 +367,8 @@ Model read_model(std::string_view bytes, const std::string& name, const Executio
     try {
       return helpers->run(read_task, bytes, execution);
     } catch (const HelperEnded&) {
-      throw Error("file.unreadable", name + ": it is damaged: the process that reads it ends.");
+      throw Error("file.unreadable", name + ": it is damaged: the process that reads it ends, or takes more than " +
+                                         std::to_string(max_read_cpu_time.count()) + " s of CPU time.");
     }
   }();
   return read_content(Hdf5Reader(written, name), name);
@@ -371,6 +376,8 @@ Model read_model(std::string_view bytes, const std::string& name, const Executio
 
 HelperTasks helper_tasks() {
   return {{std::string(read_task), [](std::string_view bytes) {
+             // Each task has a process of its own.
+             limit_cpu_time(max_read_cpu_time);
              // The bytes are written anew, so that they contain nothing from the file but the model.
              Hdf5Writer file;
              write_content(file, read_content(Hdf5Reader(bytes, "the file"), "the file"));

@@ -220,7 +220,7 @@ neural::Model ModelStore::read_in_time(const std::function<neural::Model(const E
   } catch (const Cancelled& stop) {
     if (stop.reason() != StopReason::deadline) throw;
     throw Error("file.unreadable",
-                "it takes more than " + std::to_string(options_.max_read_time.count()) + " s to read, and is damaged");
+                "it was not read within " + std::to_string(options_.max_read_time.count()) + " s");
   }
 }
 

@@ -82,6 +82,14 @@ TEST(HelperProcesses, MayCrashWithoutHarmToThisOne) {
   EXPECT_EQ(helpers.run("echo", "again", {}), "again");
 }
 
+TEST(HelperProcesses, EndATaskThatComputesBeyondItsLimit) {
+  HelperProcesses helpers(options_of());
+  const auto spin = expect_error("server.helper_ended", [&] { helpers.run("spin for a second", "", {}); });
+  EXPECT_NE(std::string(spin.what()).find("ended with signal " + std::to_string(SIGXCPU)), std::string::npos)
+      << spin.what();
+  EXPECT_EQ(helpers.run("echo", "again", {}), "again");
+}
+
 TEST(HelperProcesses, AreRefusedMemoryBeyondTheirLimit) {
 #ifdef SUPPLE_SANITIZED
   GTEST_SKIP() << "sanitizers need terabytes of address space";

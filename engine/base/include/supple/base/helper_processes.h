@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
@@ -91,5 +92,9 @@ using HelperTasks = std::map<std::string, HelperTask, std::less<>>;
 /// child, which inherits the state of this process: preparations for all tasks may be made before the call. This
 /// process must have one thread.
 int serve_as_helper(int argc, char** argv, const HelperTasks& tasks);
+
+/// For a task of a helper: its process ends when it has computed for this time (SIGXCPU), so that its caller gets
+/// HelperEnded. This is CPU time, which does not pass faster on a busy machine.
+void limit_cpu_time(std::chrono::seconds time);
 
 }  // namespace supple

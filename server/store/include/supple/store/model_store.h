@@ -42,9 +42,10 @@ class ModelStore {
     std::filesystem::path folder;  ///< no models where it is empty
     std::chrono::milliseconds period{2000};
     std::int64_t max_file_bytes = 256LL << 20;  ///< bytes; larger files count as damaged; setting --max-model
-    /// Time limit for reading one file, which takes effect only where a helper process reads. A file that takes
-    /// longer counts as damaged.
-    std::chrono::seconds max_read_time{60};
+    /// Time limit for reading one file, which takes effect only where a helper process reads. A file that takes longer
+    /// is left out. It is generous, since a file is not damaged because the machine is busy: what computes for long
+    /// is ended by a limit of CPU time.
+    std::chrono::seconds max_read_time{600};
     /// Makes the description of a model. If it throws, the file counts as damaged. Called from the store's thread.
     std::function<std::string(const neural::Model&, const std::string& sha256)> describe;
     std::function<void(Level, const std::string&)> log;  ///< called from the store's thread
