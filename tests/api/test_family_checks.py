@@ -43,7 +43,7 @@ def squares(**more: Any) -> Dict[str, Any]:
                      "placements": [{"linear": [1, 0, 0, 1], "offset": [0, 0]}], **more.get("tile", {})}}
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def types(api: Api) -> List[Dict[str, Any]]:
     return api.get("/v1/isohedral-types").json()["types"]
 
@@ -108,7 +108,7 @@ def test_a_fault_is_named_and_located(api: Api, definition: Dict[str, Any], flaw
 
 
 def test_faults_of_the_request_are_pointed_to(api: Api) -> None:
-    response = api.post(CHECKS, {"definition": squares(beam_width="thin", tile={"vertices": [[0, 0], [1], [1, 1]]})})
+    response = api.post(CHECKS, {"definition": squares(beam_width="thin", tile={"vertices": [[0, 0], [1], [1, 1]]})}, faulty=True)
     assert (response.status_code, problem_code(response)) == (400, "request.invalid")
     assert pointers(response) == ["/definition/beam_width", "/definition/tile/vertices/1"]
     bounded = squares(parameters=[{"description": "width", "lower": 0.1, "upper": 0.2, "default": 0.1}], beam_width=[0, 1])

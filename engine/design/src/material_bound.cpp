@@ -3,11 +3,13 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <utility>
 
 #include "rest_misfit.h"
+#include "supple/base/random.h"
 
 namespace supple::design {
 namespace {
@@ -25,6 +27,13 @@ constexpr double max_damping = 1e8;
 constexpr double min_start_eigenvalue = 1e-3;
 /// The smallest eigenvalue of an answer over its trace.
 constexpr double min_eigenvalue = 1e-13;
+/// Number of random starts, and how many of each kind are followed. Of 400 random targets, of which three quarters are
+/// rough (as much amplitude in the eighth harmonic as in the first), the linear fit and an isotropic start alone lead
+/// to more than the least deviation that 324 starts find ten times, by up to 14 % of it; with these twenty it is one,
+/// by 4 %.
+constexpr int random_start_count = 100;
+constexpr int followed_random_starts = 12;
+constexpr int followed_orthotropic_starts = 8;
 /// Isotropic starts have at most this magnitude of Poisson's ratio; isotropic materials have less than 1.
 constexpr double max_start_poisson_ratio = 0.9;
 
@@ -75,6 +84,53 @@ Eigen::Matrix3d isotropic(double poisson_ratio) {
   return compliance;
 }
 
+/// Random compliances of trace 1, the same in each call.
+std::vector<Vector6> random_starts() {
+  RandomStream random("starts of the nearest material", 1);
+  std::vector<Vector6> starts;
+  for (int k = 0; k < random_start_count; ++k) {
+    Eigen::Matrix3d factor;
+    for (int entry = 0; entry < 9; ++entry) factor(entry) = random.uniform(-1, 1);
+    const Eigen::Matrix3d compliance = factor * factor.transpose();
+    starts.push_back(start_at(compliance / compliance.trace()));
+  }
+  return starts;
+}
+
+/// An orthotropic compliance with S11 = 1 and S22 = `ratio` in axes that are turned by `angle` counterclockwise.
+/// `coupling` is -S12 over the geometric mean of the two.
+Eigen::Matrix3d orthotropic(double angle, double ratio, double coupling, double shear) {
+  const double c = std::cos(angle);
+  const double s = std::sin(angle);
+  Eigen::Matrix3d strains;  // the strains of a unit elongation along each axis, and of a unit shear
+  strains << c * c, s * s, -c * s, s * s, c * c, c * s, 2 * c * s, -2 * c * s, c * c - s * s;
+  Eigen::Matrix3d compliance = Eigen::Vector3d(1, ratio, shear).asDiagonal();
+  compliance(0, 1) = compliance(1, 0) = -coupling * std::sqrt(ratio);
+  return strains * compliance * strains.transpose();
+}
+
+/// Materials in all orientations, from nearly isotropic ones to such as hardly resist shear or a load along one axis.
+std::vector<Vector6> orthotropic_starts() {
+  constexpr int orientations = 12;
+  std::vector<Vector6> starts;
+  for (int k = 0; k < orientations; ++k)
+    for (const double ratio : {1.0, 4.0, 40.0})
+      for (const double coupling : {-0.8, 0.0, 0.8})
+        for (const double shear : {0.2, 2.0, 20.0})
+          starts.push_back(start_at(orthotropic(std::numbers::pi * k / orientations, ratio, coupling, shear)));
+  return starts;
+}
+
+/// The `count` starts with the least misfits, the least first.
+std::vector<Vector6> promising(const std::vector<Vector6>& starts, int count, const RestMisfit& misfit) {
+  std::vector<std::pair<double, const Vector6*>> order;
+  for (const Vector6& x : starts) order.emplace_back(misfit.value(x), &x);
+  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<Vector6> chosen;
+  for (int k = 0; k < count; ++k) chosen.push_back(*order[static_cast<std::size_t>(k)].second);
+  return chosen;
+}
+
 /// The targets of one search for a material, and their weights.
 struct WeightedTarget {
   const SampledTarget& target;
@@ -100,15 +156,20 @@ Compliance nearest_compliance(const std::vector<WeightedTarget>& targets, const 
   for (const WeightedTarget& weighted : targets) misfit.add(weighted.target, weighted.weight / sum);
 
   poisson_ratio = std::clamp(poisson_ratio, -max_start_poisson_ratio, max_start_poisson_ratio);
-  std::array<Vector6, 2> starts{start_at(misfit.linear_fit()), start_at(isotropic(poisson_ratio))};
-  Vector6 best = starts.front();
-  double least_misfit = std::numeric_limits<double>::infinity();
-  for (Vector6& x : starts) {
+  Vector6 best = start_at(misfit.linear_fit());
+  double least_misfit = minimize(misfit, best);
+  const auto descend = [&](Vector6 x) {
     const double value = minimize(misfit, x);
-    if (!(value < least_misfit)) continue;
+    if (!(value < least_misfit)) return;
     least_misfit = value;
     best = x;
-    if (value <= negligible_misfit) break;
+  };
+  if (least_misfit > negligible_misfit) descend(start_at(isotropic(poisson_ratio)));
+  if (least_misfit > negligible_misfit) {
+    static const auto orthotropic_ones = orthotropic_starts();
+    static const auto random_ones = random_starts();
+    for (const Vector6& x : promising(orthotropic_ones, followed_orthotropic_starts, misfit)) descend(x);
+    for (const Vector6& x : promising(random_ones, followed_random_starts, misfit)) descend(x);
   }
   const Eigen::Matrix3d factor = factor_of(best);
   const Compliance nearest = least + factor * factor.transpose();

@@ -58,9 +58,10 @@ bool is_bounded(const SampledTarget& target);
 /// the stiffness, and have the same bound for every solid.
 ///
 /// The unknowns are the six entries of L in S = min_compliance + L L^T. Newton's method minimizes the mean squared
-/// deviation from two starts. A local minimum is the deviation of a material, but need not be the least one; in tests
-/// no random search finds a lesser one. `weights` are those of the targets, one for each. O(samples) for each of some
-/// tens of iterations: about 0.2 ms for 50 directions.
+/// deviation from up to 22 starts: the linear fit, an isotropic material, and the best of 424 random and orthotropic
+/// ones. A local minimum is the deviation of a material, but need not be the least one: of 400 random targets one was
+/// by 4 % of itself above the least that is known. `weights` are those of the targets, one for each. O(samples) for
+/// each of some tens of iterations: 3 ms for 50 directions, and 0.1 ms for profiles that a material has.
 MaterialBounds material_bounds(const std::vector<SampledTarget>& targets, const std::vector<double>& weights,
                                const Compliance& min_compliance);
 
