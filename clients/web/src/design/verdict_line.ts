@@ -48,7 +48,7 @@ export function verdictLine(session: DesignSession, verification: Verification, 
     writeText(words, judgement?.sentence ?? (session.search.activity.get().kind === "busy" ? "Searching for a design." : "No design yet."));
     const running = verification.state.get();
     const limit = judgement && shown && fresh === "current" ? judgement.bound || envelopeWords(session, shown, judgement) : "";
-    state.textContent = [stateWords(running), limit].filter((part) => part).join(" ");
+    writeText(state, [stateWords(running), limit].filter((part) => part).join(" "));
     state.hidden = state.textContent === "";
     verify.hidden = running.kind === "done" || (running.kind === "running" && !running.isBackground);
     verify.disabled = judgement === null || fresh !== "current";
