@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { NORMAL, readChoice, withSwitch, writeChoice } from "../src/base/accuracy_choice";
 import { atLevel, type Capability, estimate, LEVEL_ROWS, LevelMeasures, levelRow, LEVELS, type LevelRow } from "../src/base/accuracy_levels";
-import { errorWords, estimateSentence, secondsWords, withError } from "../src/base/accuracy_words";
+import { errorWords, estimateSentence, levelErrorWords, secondsWords, withError } from "../src/base/accuracy_words";
 import { readFields, writeFields } from "../src/base/link_fields";
 
 const row = (level: string, seconds: number | null, error: number | null): LevelRow => ({
@@ -83,13 +83,21 @@ describe("accuracy in words", () => {
   it("says whether seconds were measured or are expected", () => {
     expect(secondsWords({ seconds: 0.42, source: "measured" })).toBe("420 ms");
     expect(secondsWords({ seconds: 2.345, source: "scaled" })).toBe("≈ 2.3 s");
-    expect(estimateSentence("weaves", { seconds: 2, error: 0.1, source: "table", errorSource: "table" }, "error of the modulus")).toBe(
+    expect(estimateSentence("weaves", "normal", { seconds: 2, error: 0.1, source: "table", errorSource: "table" }, "error of the modulus")).toBe(
       "Stiffness: ≈ 2 s by the benchmarks, ±\u00a010\u00a0% (error of the modulus).",
     );
-    expect(estimateSentence("designs", { seconds: 2, error: 0.1, source: "measured", errorSource: "table" }, "")).toBe(
+    expect(estimateSentence("designs", "normal", { seconds: 2, error: 0.1, source: "measured", errorSource: "table" }, "")).toBe(
       "Search: 2 s as measured here, ±\u00a010\u00a0% in the benchmarks.",
     );
-    expect(estimateSentence("weaves", { seconds: null, error: null, source: "table", errorSource: "table" }, "")).toBe("Stiffness: not measured yet.");
+    expect(estimateSentence("weaves", "normal", { seconds: null, error: null, source: "table", errorSource: "table" }, "")).toBe("Stiffness: not measured yet.");
+  });
+
+  it("calls a setting the most exact one where the others are measured against it, and tells no error of it", () => {
+    const host = estimate("hosts", "sure", new LevelMeasures().of("hosts"));
+    expect(host.error).toBeNull();
+    expect([levelErrorWords("sure", host.error), levelErrorWords("normal", null), levelErrorWords("sure", 0.1)]).toEqual(["most exact", "", "±\u00a010\u00a0%"]);
+    expect(estimateSentence("hosts", "sure", host, "error of a place")).toBe("Relaxation with its host: ≈ 280 ms by the benchmarks, the most exact setting.");
+    expect(estimateSentence("hosts", "sure", { ...host, seconds: null }, "")).toBe("Relaxation with its host: the most exact setting.");
   });
 });
 

@@ -2,7 +2,7 @@
 import { announce } from "./announce";
 import { type AccuracyChoice, rememberLevel } from "./accuracy_choice";
 import { type Capability, estimate, levelRow, type LevelMeasures, LEVELS } from "./accuracy_levels";
-import { errorWords, estimateSentence, secondsWords } from "./accuracy_words";
+import { estimateSentence, levelErrorWords, secondsWords } from "./accuracy_words";
 import { h, uniqueId, writeText } from "./dom";
 
 type Choice = AccuracyChoice["level"];
@@ -60,7 +60,7 @@ export class AccuracyDial {
     if (parts.length === 0) return;
     for (const [level, detail] of this.details) {
       const known = estimate(parts[0], level, measures.of(parts[0]));
-      writeText(detail, [secondsWords(known), errorWords(known.error)].filter((words) => words).join(", "));
+      writeText(detail, [secondsWords(known), levelErrorWords(level, known.error)].filter((words) => words).join(", "));
     }
     writeText(this.words, parts.map((part) => this.sentence(part)).join(" "));
     this.words.title = levelRow(parts[0], this.level)?.task ?? "";
@@ -68,7 +68,7 @@ export class AccuracyDial {
 
   private sentence(capability: Capability): string {
     const row = levelRow(capability, this.level);
-    const told = estimateSentence(capability, estimate(capability, this.level, this.options.measures.of(capability)), row?.error_of ?? "");
+    const told = estimateSentence(capability, this.level, estimate(capability, this.level, this.options.measures.of(capability)), row?.error_of ?? "");
     return row ? `${told} ${row.why}` : told;
   }
 

@@ -1,5 +1,5 @@
 // The levels of accuracy: what each one asks of the server, how long it takes and how far off it may be. The table is api/accuracy_levels.json,
-// which benchmarks generate; what this machine has computed scales its numbers.
+// which tests/bench/accuracy_levels.py measures; what this machine has computed scales its numbers.
 import { levels } from "../../../../api/accuracy_levels.json";
 import { type AccuracyChoice, type Level, switchesOf } from "./accuracy_choice";
 import { Observable } from "./observable";
@@ -16,7 +16,7 @@ export interface LevelRow {
   readonly task: string;
   /** Duration of the reference task; null if nobody has measured it. */
   readonly seconds: number | null;
-  /** Dimensionless; 0 is below rounding, null unknown. */
+  /** Dimensionless; 0 is below rounding. Null if it is unknown: nobody has measured it, or the errors of the other levels are measured against this one. */
   readonly error: number | null;
   readonly error_of: string;
   readonly why: string;

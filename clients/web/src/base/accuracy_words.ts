@@ -1,4 +1,5 @@
 // Accuracy in words: seconds and errors of the dial, and errors beside the numbers that they belong to.
+import type { AccuracyChoice } from "./accuracy_choice";
 import type { Capability, Estimate } from "./accuracy_levels";
 import { percent, seconds } from "./format";
 
@@ -43,9 +44,15 @@ export const CAPABILITY_WORDS: Record<Capability, string> = {
   geodesics: "Distances",
 };
 
+/** The error of a level. Where that of the surest one is unknown, there is nothing more exact to compare it with. */
+export function levelErrorWords(level: AccuracyChoice["level"], error: number | null): string {
+  return error === null && level === "sure" ? "most exact" : errorWords(error);
+}
+
 /** A sentence of the dial, such as "Stiffness: 0.4 s as measured here, ± 9 % (error of Young's modulus)." */
-export function estimateSentence(capability: Capability, known: Estimate, errorOf: string): string {
+export function estimateSentence(capability: Capability, level: AccuracyChoice["level"], known: Estimate, errorOf: string): string {
   const time = secondsWords(known);
+  if (known.error === null && level === "sure") return `${CAPABILITY_WORDS[capability]}: ${time ? `${time} ${SOURCE_WORDS[known.source]}, ` : ""}the most exact setting.`;
   const error = errorWords(known.error);
   const where = known.errorSource === "table" && (known.source !== "table" || time === "") ? " in the benchmarks" : "";
   const parts = [time && `${time} ${SOURCE_WORDS[known.source]}`, error && `${error}${where}${errorOf && ` (${errorOf})`}`].filter((part) => part);
