@@ -2,7 +2,6 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -35,8 +34,7 @@ constexpr int finer_step_ratio = 3;
 constexpr int max_finer_steps = 1000;
 /// Ratio of a cell's area to its area at rest below which the cell is folded flat: its strands lie beside each other.
 constexpr double min_area_ratio = 1e-3;
-/// The stage of the bill, and the fraction of the progress before it.
-constexpr std::string_view estimate_stage = "error estimate";
+/// Fraction of the progress before errors are estimated.
 constexpr double fraction_before_estimate = 0.7;
 
 void check(const Weave& weave, const EquilibriumOptions& options, const Execution& execution) {
@@ -289,8 +287,7 @@ std::vector<DirectionalResponse> follow_directions(const NaturalWeave& natural, 
 /// the time to the effect; what these directions did is no part of the answer.
 void estimate_errors(const NaturalWeave& natural, const HomogenizationOptions& options, const Execution& execution,
                      std::vector<DirectionalResponse>& responses) {
-  const auto start = std::chrono::steady_clock::now();
-  const StageTimer timer(execution.cost, estimate_stage);
+  const EstimateTimer timer(execution.cost);
   const OtherResolution other = other_resolution(options.equilibrium);
   const std::vector<std::size_t> indices = compared_directions(responses, options.equilibrium.error_estimate);
   HomogenizationOptions again = options;
@@ -301,13 +298,11 @@ void estimate_errors(const NaturalWeave& natural, const HomogenizationOptions& o
   const auto compared = follow_directions(natural, again, {execution.cancellation, execution.progress, nullptr});
   const double area = natural.units().length * natural.units().length * natural.weave().lattice->determinant();
   set_errors(indices, compared, other.factor, area, options, responses);
-  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  bill({.count = indices.size(),
-        .total = responses.size(),
-        .entries = "directions",
-        .segments = other.equilibrium.segments,
-        .seconds = seconds.count()},
-       execution.cost);
+  const auto is_finished = [](const DirectionalResponse& one) { return !is_cut_short(one.state.stopped); };
+  timer.bill({.count = static_cast<std::size_t>(std::ranges::count_if(compared, is_finished)),
+              .total = responses.size(),
+              .entries = "directions",
+              .segments = other.equilibrium.segments});
 }
 
 /// The states under gradients that have been checked, with polylines of the `deformed` ones.
@@ -330,8 +325,7 @@ std::vector<CellState> states_under(const NaturalWeave& natural, const std::vect
 /// Estimates the errors of states, of which some are computed once more with rods of another resolution.
 void estimate_errors(const NaturalWeave& natural, const std::vector<Eigen::Matrix2d>& gradients,
                      const EquilibriumOptions& options, const Execution& execution, std::vector<CellState>& states) {
-  const auto start = std::chrono::steady_clock::now();
-  const StageTimer timer(execution.cost, estimate_stage);
+  const EstimateTimer timer(execution.cost);
   const OtherResolution other = other_resolution(options);
   const std::vector<std::size_t> indices = compared_positions(states.size(), options.error_estimate);
   std::vector<Eigen::Matrix2d> again;
@@ -340,13 +334,11 @@ void estimate_errors(const NaturalWeave& natural, const std::vector<Eigen::Matri
   const auto compared =
       states_under(natural, again, other.equilibrium, {}, {execution.cancellation, execution.progress, nullptr});
   set_errors(indices, compared, other.factor, states);
-  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  bill({.count = indices.size(),
-        .total = states.size(),
-        .entries = "deformation gradients",
-        .segments = other.equilibrium.segments,
-        .seconds = seconds.count()},
-       execution.cost);
+  const auto is_finished = [](const CellState& one) { return !is_cut_short(one.stopped); };
+  timer.bill({.count = static_cast<std::size_t>(std::ranges::count_if(compared, is_finished)),
+              .total = states.size(),
+              .entries = "deformation gradients",
+              .segments = other.equilibrium.segments});
 }
 
 }  // namespace

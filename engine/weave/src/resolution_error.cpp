@@ -119,13 +119,14 @@ void set_errors(const std::vector<std::size_t>& at, const std::vector<CellState>
   }
 }
 
-void bill(const EstimateCost& estimate, CostLedger* cost) {
-  if (!cost) return;
-  cost->add_effect("error_estimate", true,
-                   std::to_string(estimate.count) + " of " + std::to_string(estimate.total) + " " +
-                       std::string(estimate.entries) + " were computed once more, with " +
-                       std::to_string(estimate.segments) + " segments",
-                   static_cast<std::int64_t>(estimate.count), estimate.seconds);
+void EstimateTimer::bill(const Compared& compared) const {
+  if (!cost_) return;
+  if (compared.count == 0) return bill_estimate_without_time(cost_);
+  cost_->add_effect("error_estimate", true,
+                    std::to_string(compared.count) + " of " + std::to_string(compared.total) + " " +
+                        std::string(compared.entries) + " were computed once more, with " +
+                        std::to_string(compared.segments) + " segments",
+                    static_cast<std::int64_t>(compared.count), seconds());
 }
 
 void bill_no_estimate(Switch error_estimate, CostLedger* cost) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <string_view>
 #include <vector>
@@ -39,21 +40,43 @@ std::vector<std::size_t> compared_positions(std::size_t total, Switch error_esti
 void set_errors(const std::vector<std::size_t>& at, const std::vector<CellState>& compared, double factor,
                 std::vector<CellState>& states);
 
-/// What the effect "error_estimate" did, for the bill: `count` of `total` entries were computed once more.
-struct EstimateCost {
+/// What an estimate of errors compared: `count` of `total` entries were computed once more before time or memory ran
+/// out.
+struct Compared {
   std::size_t count = 0;
   std::size_t total = 0;
   std::string_view entries;  ///< their name in the plural
   int segments = 0;          ///< of the other resolution
-  double seconds = 0;
 };
-void bill(const EstimateCost& estimate, CostLedger* cost);
+
+/// Measures the time of an estimate of errors for its lifetime, and bills it to the stage "error estimate" however the
+/// estimate ends. A null ledger costs nothing.
+class EstimateTimer {
+ public:
+  explicit EstimateTimer(CostLedger* cost) : cost_(cost) {}
+  ~EstimateTimer() {
+    if (cost_) cost_->add_stage("error estimate", seconds());
+  }
+  EstimateTimer(const EstimateTimer&) = delete;
+  EstimateTimer& operator=(const EstimateTimer&) = delete;
+
+  /// Bills the effect "error_estimate", which ran if anything was compared, with the time until now.
+  void bill(const Compared& compared) const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+  CostLedger* cost_;
+  Clock::time_point start_ = Clock::now();
+};
+
 /// Bills that the effect did not run, since it is off, or automatic for a sheet.
 void bill_no_estimate(Switch error_estimate, CostLedger* cost);
 /// Bills that the effect did not run, since time or memory ran out before.
 void bill_estimate_without_time(CostLedger* cost);
 
-/// Whether time or memory ran out before this state was finished.
+/// Whether time or memory ran out before this state was finished, or after it where it is a sheet's.
 constexpr bool is_cut_short(Stop stop) { return stop == Stop::deadline || stop == Stop::memory; }
 
 }  // namespace supple::weave

@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -220,12 +219,16 @@ SimulationResult follow(const NaturalWeave& natural, const ScaledLoad& scaled, c
   return result;
 }
 
-/// Sets the errors of the states, from those of another resolution, of which there may be fewer.
-void set_errors(const SimulationResult& other, double factor, SimulationResult& result) {
+/// Sets the errors of the states, from those of another resolution, of which there may be fewer. The last state before
+/// time or memory ran out is an equilibrium, too. Returns the number of states that were compared.
+std::size_t set_errors(const SimulationResult& other, double factor, SimulationResult& result) {
+  std::size_t count = 0;
   for (std::size_t k = 0; k < std::min(result.states.size(), other.states.size()); ++k) {
     SheetState& state = result.states[k];
     const SheetState& compared = other.states[k];
-    if (state.stopped != Stop::converged || compared.stopped != Stop::converged) continue;
+    const bool is_known = compared.stopped == Stop::converged || is_cut_short(compared.stopped);
+    if (state.stopped != Stop::converged || !is_known) continue;
+    ++count;
     state.energy_error = factor * std::abs(state.energy - compared.energy) + state.limit_error * state.energy;
     double largest = 0;
     double difference = 0;
@@ -235,23 +238,19 @@ void set_errors(const SimulationResult& other, double factor, SimulationResult& 
     }
     state.reaction_error = factor * difference + state.limit_error * largest;
   }
+  return count;
 }
 
 /// Estimates the errors of the states by following the path once more with rods of another resolution.
 void estimate_errors(const NaturalWeave& natural, const ScaledLoad& scaled, const EquilibriumOptions& options,
                      const Execution& execution, SimulationResult& result) {
-  const auto start = std::chrono::steady_clock::now();
-  const StageTimer timer(execution.cost, "error estimate");
+  const EstimateTimer timer(execution.cost);
   const OtherResolution other = other_resolution(options);
-  set_errors(follow(natural, scaled, other.equilibrium, {execution.cancellation, execution.progress, nullptr}),
-             other.factor, result);
-  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  bill({.count = result.states.size(),
-        .total = result.states.size(),
-        .entries = "states",
-        .segments = other.equilibrium.segments,
-        .seconds = seconds.count()},
-       execution.cost);
+  const std::size_t count =
+      set_errors(follow(natural, scaled, other.equilibrium, {execution.cancellation, execution.progress, nullptr}),
+                 other.factor, result);
+  timer.bill(
+      {.count = count, .total = result.states.size(), .entries = "states", .segments = other.equilibrium.segments});
 }
 
 }  // namespace

@@ -263,6 +263,28 @@ TEST(Simulation, KeepsTheStatesThatWereFinishedIfTimeOrMemoryRunsOut) {
   });
 }
 
+TEST(Simulation, BillsTheStatesThatWereComparedBeforeTimeOrMemoryRanOut) {
+  const Weave weave = strand_through_posts();
+  SheetLoad load = posts_held(3);
+  load.states = 6;
+  load.supports.push_back({0, 20, {true, true, true}, {3, 0, 0}});
+  // The estimate begins at 0.7 of the progress, and has compared as many of the 6 states as `compared` by then.
+  for (const std::size_t compared : {6U, 3U, 0U}) {
+    Stopper stopper(StopReason::deadline, compared == 6 ? 2 : 0.7 + 0.3 * static_cast<double>(compared) / 6);
+    CostLedger ledger;
+    const SimulationResult result =
+        simulate(weave, load, {.error_estimate = Switch::on}, {stopper.token, &stopper, &ledger});
+    expect_converged(result);
+    ASSERT_EQ(result.states.size(), 6U);
+    for (std::size_t k = 0; k < 6; ++k) EXPECT_EQ(std::isfinite(result.states[k].energy_error), k < compared) << k;
+    const auto effect = std::ranges::find(ledger.effects(), "error_estimate", &CostLedger::Effect::name);
+    ASSERT_NE(effect, ledger.effects().end());
+    EXPECT_EQ(effect->ran, compared > 0) << effect->why;
+    EXPECT_EQ(effect->count, static_cast<std::int64_t>(compared)) << effect->why;
+    EXPECT_EQ(std::ranges::count(ledger.stages(), "error estimate", &CostLedger::Stage::name), 1);
+  }
+}
+
 TEST(Simulation, RefusesLoadsThatCannotBeImposed) {
   const Weave weave = strand_through_posts();
   const auto places_of = [&](const SheetLoad& load) {
