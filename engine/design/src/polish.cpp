@@ -46,6 +46,9 @@ Polished improved(const DesignSpace& space, PolishRounds& rounds, const Executio
       execution.cancellation, [&] { return rounds.count() > 0; },
       [&] { termination = improve(rounds, OtherStarts(space, rounds), first()); });
   if (stop == StopReason::deadline) termination = PolishTermination::deadline;
+  // The memory of a simulation that was stopped is free again, so that what follows may take as much as it needs, ways
+  // out among others. A deadline that has passed stays requested: what follows and takes time then ends at once, and
+  // only the report is left, which does not check for a stop.
   if (stop == StopReason::memory) {
     execution.cancellation.resume(stop);
     termination = PolishTermination::memory;
