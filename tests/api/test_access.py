@@ -16,10 +16,10 @@ import pytest
 import requests
 
 from contract import Contract, ROOT
+from design_requests import long_request as long_design, quick_request as quick_design
 from harness import CLI, MESHES, SERVER, Api, ServerProcess, free_port, keys_command, problem_code
 from shapes import bumpy_sphere, flat_grid
 from working_time import PATIENCE_SECONDS
-from test_designs import long_request as long_design, quick_request as quick_design
 from test_jobs import start_job as start_named_job
 
 NewServer = Callable[..., ServerProcess]

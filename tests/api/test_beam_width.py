@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from design_requests import DESIGNS, KNOWN, effect, known_problem
 from harness import Api
 from test_cli import Program
-from test_designs import DESIGNS, KNOWN, effect, known_problem
 
 NAME = "beam_width_sensitivity"
 

@@ -18,9 +18,9 @@ import pytest
 
 import supple
 from contract import ROOT
+from design_requests import FEW, KNOWN, known_problem, long_request, profile
 from harness import Api
 from test_cli import Program, number_after
-from test_designs import FEW, KNOWN, known_problem, long_request, profile
 
 QUICK = ["--candidates", "8", "--starts", "2"]
 FAMILY = ["design", "--task", "stress_strain", "--family", "IH29", *QUICK]

@@ -11,8 +11,8 @@ from urllib.parse import parse_qs, urlsplit
 import numpy as np
 import pytest
 
+from design_requests import DESIGNS, FEW, KNOWN, PROFILES, effect, known_problem, profile
 from harness import CLI, Api, pointers, problem_code
-from test_designs import DESIGNS, FEW, KNOWN, PROFILES, effect, known_problem, profile
 
 MODEL_MODULUS = 26.0
 

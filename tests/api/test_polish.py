@@ -8,8 +8,8 @@ from typing import Any, Dict, List
 import numpy as np
 import pytest
 
+from design_requests import DESIGNS, FEW, effect, profile, spline
 from harness import Api
-from test_designs import DESIGNS, FEW, effect, profile, spline
 from test_jobs import events, start_job
 
 STRAINS = [-0.02, 0.01, 0.04]

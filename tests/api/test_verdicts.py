@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from contract import ROOT, Contract
+from design_requests import DESIGNS, FEW, known_problem, profile, spline
 from harness import Api, ServerProcess
-from test_designs import DESIGNS, FEW, known_problem, profile, spline
 
 WORDS = json.loads((ROOT / "api" / "verdicts.json").read_text(encoding="utf-8"))["words"]
 
