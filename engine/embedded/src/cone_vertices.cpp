@@ -26,9 +26,12 @@ ConeForces cone_forces(const ElasticNetwork& network, std::size_t point, const P
     const auto i = static_cast<std::size_t>(s);
     const Spring& spring = network.springs()[i];
     add_path(i, 2 * spring.weight * (path(i).distance - spring.rest_length));
-    forces.stiffness += 2 * spring.weight;
-    // Points in one place rest together, unless their spring pushes them apart.
-    if (path(i).coincident() && spring.rest_length > 0) forces.is_valid = false;
+    if (!path(i).coincident()) {
+      forces.stiffness += 2 * spring.weight;
+    } else if (spring.rest_length > 0) {
+      // Points in one place rest together, unless their spring pushes them apart.
+      forces.is_valid = false;
+    }
   }
   for (const std::int32_t t : network.triangles_at(point)) {
     const ElasticNetwork::Triangle& triangle = network.triangles()[static_cast<std::size_t>(t)];

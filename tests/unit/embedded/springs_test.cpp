@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -7,6 +8,8 @@
 #include "element_energies.h"
 #include "euclidean_springs.h"
 #include "network_search.h"
+#include "supple/numerics/derivative_check.h"
+#include "supple/numerics/system.h"
 #include "support/sampling.h"
 #include "support/shapes.h"
 
@@ -179,6 +182,16 @@ TEST(GeodesicSprings, PullAPointOffAVertexTheSteepestWay) {
     ASSERT_TRUE(NetworkState(scene.mesh, scene.network.points).on_tip(0));
     expect_steepest_way_down(scene, network_term(scene.solver, scene.network, none_held(scene.network)).energy);
   }
+}
+
+TEST(GeodesicSprings, CountTheStiffnessOfASpringWithoutLengthAtAVertexOnce) {
+  AtVertex scene(testing::cone(8, 7.5));
+  const auto second = static_cast<std::int32_t>(scene.network.points.size());
+  scene.network.points.push_back(scene.network.points.front());
+  scene.network.springs.push_back({0, second, 0, 0.9});
+  auto system = scene.system(network_term(scene.solver, scene.network, none_held(scene.network)).energy);
+  system.evaluate(2);
+  for (int k = 0; k < 2; ++k) EXPECT_DOUBLE_EQ(system.core().coeff(k, k), scene.stiffness());
 }
 
 TEST(EuclideanSprings, PullAPointOffAVertexTheSteepestWay) {
