@@ -9,13 +9,11 @@ accuracy-levels.md. Capabilities that are not named keep what they have.
 
 from __future__ import annotations
 
-import argparse
 import json
 import math
 import os
 import platform
 import sys
-import tempfile
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
@@ -25,10 +23,10 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "api"))
 
-from contract import Contract  # noqa: E402
-from harness import ROOT, Api, ServerProcess  # noqa: E402
+from harness import ROOT, Api  # noqa: E402
 from sections import write_section  # noqa: E402
 from shapes import bumpy_sphere, sphere  # noqa: E402
+from shipped_models import parser_of, server_with_shipped_models  # noqa: E402
 
 TABLE = ROOT / "api" / "accuracy_levels.json"
 LEVELS = ("draft", "normal", "sure")
@@ -163,25 +161,19 @@ def section(table: Dict[str, Any]) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = parser_of(__doc__)
     parser.add_argument("--capabilities", default="", help="separated by commas; all that have a task here without it")
     parser.add_argument("--repetitions", type=int, default=5, help="of each level, of which the fastest counts")
     parser.add_argument("--table", type=Path, default=TABLE, help="where the table is written, which is read from the contract's folder")
-    parser.add_argument("--output", type=Path, default=ROOT / "docs" / "bench")
     arguments = parser.parse_args()
     table = json.loads(TABLE.read_text(encoding="utf-8"))
-    with tempfile.TemporaryDirectory() as folder:
-        server = ServerProcess(Path(folder) / "data", "--models", str(ROOT / "models")).start()
-        try:
-            api = Api(server, Contract())
-            known = tasks(api)
-            for capability in arguments.capabilities.split(",") if arguments.capabilities else known:
-                if capability not in known:
-                    parser.error(f"{capability} is none of {', '.join(known)}")
-                rows = [level for level in table["levels"] if level["capability"] == capability]
-                measure(api, rows, known[capability](), arguments.repetitions)
-        finally:
-            server.stop()
+    with server_with_shipped_models() as api:
+        known = tasks(api)
+        for capability in arguments.capabilities.split(",") if arguments.capabilities else known:
+            if capability not in known:
+                parser.error(f"{capability} is none of {', '.join(known)}")
+            rows = [level for level in table["levels"] if level["capability"] == capability]
+            measure(api, rows, known[capability](), arguments.repetitions)
     arguments.table.write_text(table_text(table), encoding="utf-8")
     write_section(arguments.output, "accuracy-levels", "levels", section(table))
 

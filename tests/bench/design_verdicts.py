@@ -16,7 +16,6 @@ import math
 import os
 import platform
 import sys
-import tempfile
 import time
 from dataclasses import dataclass, field
 from datetime import date
@@ -27,10 +26,10 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "api"))
 
-from contract import Contract  # noqa: E402
-from harness import ROOT, Api, ServerProcess  # noqa: E402
+from harness import ROOT, Api  # noqa: E402
 from saved_rows import SavedRows  # noqa: E402
 from sections import write_section  # noqa: E402
+from shipped_models import parser_of, server_with_shipped_models  # noqa: E402
 
 REACHED, MISSED = 0.05, 0.01
 """No design whose simulation is farther from the target is called reached, and none that is nearer is called missed."""
@@ -181,29 +180,23 @@ def chosen(named: str, known: List[str], parser: argparse.ArgumentParser) -> Lis
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = parser_of(__doc__)
     parser.add_argument("--targets", default="", help=f"of {', '.join(TARGETS)}; separated by commas, all without it")
     parser.add_argument("--families", default="", help=f"separated by commas, with {ANY} for all at once; all without it")
     parser.add_argument("--ways-out", type=int, default=2, metavar="N", help="ways out of each miss that are simulated")
     parser.add_argument("--polish", action="store_true", help="correct designs by simulation, for up to two minutes each")
-    parser.add_argument("--output", type=Path, default=ROOT / "docs" / "bench")
     arguments = parser.parse_args()
     arguments.output.mkdir(parents=True, exist_ok=True)
     families = sorted(path.stem.upper() for path in (ROOT / "models").glob("ih*.h5")) + [ANY]
     targets = chosen(arguments.targets, list(TARGETS), parser)
     saved = SavedRows(arguments.output / "verdicts.csv", COLUMNS, order(families))
     wanted = [(target, family) for target in targets for family in chosen(arguments.families, families, parser)]
-    with tempfile.TemporaryDirectory() as folder:
-        server = ServerProcess(Path(folder) / "data", "--models", str(ROOT / "models")).start()
-        try:
-            api = Api(server, Contract())
-            for number, (target, family) in enumerate(wanted, 1):
-                if any(row["target"] == target and row["family"] == family for row in saved.rows):
-                    continue
-                row = saved.add(examine(api, target, family, arguments.ways_out, arguments.polish))
-                print(f"{number} of {len(wanted)}: {target}, {family}: {row['sentence']} {fault(row)}", flush=True)
-        finally:
-            server.stop()
+    with server_with_shipped_models() as api:
+        for number, (target, family) in enumerate(wanted, 1):
+            if any(row["target"] == target and row["family"] == family for row in saved.rows):
+                continue
+            row = saved.add(examine(api, target, family, arguments.ways_out, arguments.polish))
+            print(f"{number} of {len(wanted)}: {target}, {family}: {row['sentence']} {fault(row)}", flush=True)
     write_section(arguments.output, "verdicts", "verdicts", section(saved.rows, arguments.polish))
     faults = [row for row in saved.rows if fault(row)]
     for row in faults:

@@ -9,12 +9,10 @@ A run goes on from the rows of the CSV file; remove it where the search, polish,
 
 from __future__ import annotations
 
-import argparse
 import math
 import os
 import platform
 import sys
-import tempfile
 from datetime import date
 from pathlib import Path
 from typing import Any, Dict, List, Optional
@@ -23,10 +21,10 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "api"))
 
-from contract import Contract  # noqa: E402
-from harness import ROOT, Api, ServerProcess  # noqa: E402
+from harness import Api  # noqa: E402
 from saved_rows import SavedRows  # noqa: E402
 from sections import write_section  # noqa: E402
+from shipped_models import parser_of, server_with_shipped_models  # noqa: E402
 
 STRAINS = [-0.06, -0.03, 0.0, 0.03, 0.06, 0.09, 0.12]
 """Evenly spaced, as a request for this number of samples takes them."""
@@ -109,30 +107,24 @@ def section(rows: List[Dict[str, str]]) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = parser_of(__doc__)
     parser.add_argument("--designs", type=int, default=4, help="of each family")
     parser.add_argument("--families", default="", help="separated by commas; all without it")
-    parser.add_argument("--output", type=Path, default=ROOT / "docs" / "bench")
     arguments = parser.parse_args()
     saved = SavedRows(arguments.output / "designs-polished.csv", COLUMNS, lambda row: (row["family"], int(row["number"])))
-    with tempfile.TemporaryDirectory() as folder:
-        server = ServerProcess(Path(folder) / "data", "--models", str(ROOT / "models")).start()
-        try:
-            api = Api(server, Contract())
-            models = [api.get(f"/v1/models/{model['id']}").json() for model in api.get("/v1/models").json()["models"]]
-            for model in sorted(models, key=lambda entry: str(entry["family"])):
-                family, done, number = model["family"], 0, 0
-                if arguments.families and family not in arguments.families.split(","):
-                    continue
-                while done < arguments.designs:
-                    known = next((row for row in saved.rows if row["family"] == family and int(row["number"]) == number), None)
-                    if known is None:
-                        known = saved.add(one(api, model, number) or {"family": family, "number": number})
-                        print(known, flush=True)
-                    done += 1 if known["default"] else 0
-                    number += 1
-        finally:
-            server.stop()
+    with server_with_shipped_models() as api:
+        models = [api.get(f"/v1/models/{model['id']}").json() for model in api.get("/v1/models").json()["models"]]
+        for model in sorted(models, key=lambda entry: str(entry["family"])):
+            family, done, number = model["family"], 0, 0
+            if arguments.families and family not in arguments.families.split(","):
+                continue
+            while done < arguments.designs:
+                known = next((row for row in saved.rows if row["family"] == family and int(row["number"]) == number), None)
+                if known is None:
+                    known = saved.add(one(api, model, number) or {"family": family, "number": number})
+                    print(known, flush=True)
+                done += 1 if known["default"] else 0
+                number += 1
     write_section(arguments.output, "designs", "polished", section(saved.rows))
 
 

@@ -26,6 +26,10 @@ class SavedRows:
             with path.open(encoding="utf-8", newline="") as file:
                 self.rows = list(csv.DictReader(file))
 
+    def __contains__(self, key: Any) -> bool:
+        """Whether there is a row of this key, which is what `order` makes of it."""
+        return any(self.order(row) == key for row in self.rows)
+
     def add(self, values: Dict[str, Any]) -> Dict[str, str]:
         """Adds a row, in which values that are not given are empty, and returns it as it is written."""
         row = {name: written(values.get(name, "")) for name in self.columns}

@@ -9,12 +9,10 @@ the rows of the CSV file; remove it where the search, a model or the simulation 
 
 from __future__ import annotations
 
-import argparse
 import math
 import os
 import platform
 import sys
-import tempfile
 from datetime import date
 from pathlib import Path
 from typing import Any, Dict, List
@@ -23,10 +21,10 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "api"))
 
-from contract import Contract  # noqa: E402
-from harness import ROOT, Api, ServerProcess  # noqa: E402
+from harness import Api  # noqa: E402
 from saved_rows import SavedRows  # noqa: E402
 from sections import write_section  # noqa: E402
+from shipped_models import options_of_curves, server_with_shipped_models  # noqa: E402
 
 COLUMNS = ["family", "number", "trust", "model", "simulated", "error", "in_range", "within", "samples", "seconds"]
 WRONG = 0.1
@@ -84,24 +82,14 @@ def section(rows: List[Dict[str, str]]) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--curves", type=int, default=20, help="of each family")
-    parser.add_argument("--families", default="IH01,IH22", help="separated by commas")
-    parser.add_argument("--output", type=Path, default=ROOT / "docs" / "bench")
-    arguments = parser.parse_args()
+    arguments = options_of_curves(__doc__, curves=20)
     saved = SavedRows(arguments.output / "designs-trust.csv", COLUMNS, lambda row: (row["family"], int(row["number"]), row["trust"]))
-    known = {(row["family"], row["number"], row["trust"]) for row in saved.rows}
-    with tempfile.TemporaryDirectory() as folder:
-        server = ServerProcess(Path(folder) / "data", "--models", str(ROOT / "models")).start()
-        try:
-            api = Api(server, Contract())
-            for number in range(arguments.curves):
-                for family in arguments.families.split(","):
-                    for trust in ("off", "automatic"):
-                        if (family, str(number), trust) not in known:
-                            print(saved.add(one(api, family, number, trust)), flush=True)
-        finally:
-            server.stop()
+    with server_with_shipped_models() as api:
+        for number in range(arguments.curves):
+            for family in arguments.families.split(","):
+                for trust in ("off", "automatic"):
+                    if (family, number, trust) not in saved:
+                        print(saved.add(one(api, family, number, trust)), flush=True)
     write_section(arguments.output, "designs", "trust", section(saved.rows))
 
 

@@ -10,12 +10,10 @@ designs-verified-samples.csv. A run goes on from the rows of the CSV files; remo
 
 from __future__ import annotations
 
-import argparse
 import math
 import os
 import platform
 import sys
-import tempfile
 from datetime import date
 from pathlib import Path
 from typing import Any, Dict, List, Optional
@@ -24,10 +22,10 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "api"))
 
-from contract import Contract  # noqa: E402
-from harness import ROOT, Api, ServerProcess  # noqa: E402
+from harness import Api  # noqa: E402
 from saved_rows import SavedRows  # noqa: E402
 from sections import write_section  # noqa: E402
+from shipped_models import options_of_curves, server_with_shipped_models  # noqa: E402
 from trusted_designs import curve  # noqa: E402
 
 WAYS = ["family", "number", "starts", "deadline", "missed", "seconds", "ways", "change", "deviation"]
@@ -112,31 +110,20 @@ def verified_section(rows: List[Dict[str, str]]) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--curves", type=int, default=10, help="of each family")
-    parser.add_argument("--families", default="IH01,IH22", help="separated by commas")
-    parser.add_argument("--output", type=Path, default=ROOT / "docs" / "bench")
-    arguments = parser.parse_args()
+    arguments = options_of_curves(__doc__, curves=10)
     ways = SavedRows(arguments.output / "designs-ways-out.csv", WAYS,
                      lambda row: (row["family"], int(row["number"]), int(row["starts"]), float(row["deadline"])))
     samples = SavedRows(arguments.output / "designs-verified-samples.csv", VERIFIED, lambda row: (row["family"], int(row["number"]), int(row["samples"])))
-    known_ways = {(row["family"], int(row["number"]), int(row["starts"]), float(row["deadline"])) for row in ways.rows}
-    known_samples = {(row["family"], int(row["number"]), int(row["samples"])) for row in samples.rows}
-    with tempfile.TemporaryDirectory() as folder:
-        server = ServerProcess(Path(folder) / "data", "--models", str(ROOT / "models")).start()
-        try:
-            api = Api(server, Contract())
-            for number in range(arguments.curves):
-                for family in arguments.families.split(","):
-                    for starts, deadline in [(starts, 30.0) for starts in STARTS] + [(24, deadline) for deadline in DEADLINES[:-1]]:
-                        if (family, number, starts, deadline) not in known_ways:
-                            row = ways_out(api, family, number, starts, deadline)
-                            print(ways.add(row) if row else f"{family} {number}: no design within {deadline:g} s", flush=True)
-                    for count in SAMPLES:
-                        if (family, number, count) not in known_samples:
-                            print(samples.add(verified(api, family, number, count)), flush=True)
-        finally:
-            server.stop()
+    with server_with_shipped_models() as api:
+        for number in range(arguments.curves):
+            for family in arguments.families.split(","):
+                for starts, deadline in [(starts, 30.0) for starts in STARTS] + [(24, deadline) for deadline in DEADLINES[:-1]]:
+                    if (family, number, starts, deadline) not in ways:
+                        row = ways_out(api, family, number, starts, deadline)
+                        print(ways.add(row) if row else f"{family} {number}: no design within {deadline:g} s", flush=True)
+                for count in SAMPLES:
+                    if (family, number, count) not in samples:
+                        print(samples.add(verified(api, family, number, count)), flush=True)
     write_section(arguments.output, "designs", "ways-out", ways_section(ways.rows))
     write_section(arguments.output, "designs", "verified-samples", verified_section(samples.rows))
 
