@@ -97,9 +97,9 @@ run_programs() {  # PART PRESET LABEL
   local chosen=()
   [ -z "${only[$1]:-}" ] || chosen=(-R "^($(sed -E 's/\<example_/examples\\./g; s/ /|/g' <<<"${only[$1]}"))(\\.|\$)")
   local status=0
+  rm -rf "build/$2/test-times"
   ctest --test-dir "build/$2" -j "$jobs" -L "$3" "${chosen[@]}" --output-on-failure --no-tests=error || status=1
-  echo "the slowest of them, in seconds, in any part of this build:"
-  sed '/^---/,$d' "build/$2/Testing/Temporary/CTestCostData.txt" 2>/dev/null | sort -rn -k3 | awk 'NR <= 8 {print "  " $3, $1}'
+  "$python" tests/slowest.py "build/$2/test-times"
   return $status
 }
 part_unit() { build_programs unit release && run_programs unit release unit; }

@@ -17,7 +17,7 @@ SCRIPTS = "deploy:test_service_files.py"  #: reads what deploy/ publishes, its s
 TABLE: List[Tuple[str, Set[str]]] = [
     # What builds, what runs the tests, and what everything stands on.
     (r"(.*/)?CMakeLists\.txt|.*\.cmake|cmake/.*|CMakePresets\.json", {EVERYTHING}),
-    (r"tests/run\.sh|tests/changes/.*|\.ci/.*|(tests|deploy)/packages\.txt", {EVERYTHING}),
+    (r"tests/(run\.sh|slowest\.py)|tests/changes/.*|\.ci/.*|(tests|deploy)/packages\.txt", {EVERYTHING}),
     (r"engine/base/.*|api/.*|tests/support/[^/]*\.(py|sh)", {EVERYTHING}),
     (r"models/.*\.(h5|json)", {EVERYTHING}),
 
