@@ -2,37 +2,25 @@
 
 #include <algorithm>
 #include <chrono>
-#include <tuple>
 
 namespace supple::jobs {
-
-int ComputeSlots::running_of(const std::string& client, bool is_interactive) const {
-  const auto found = running_of_client_.find({client, is_interactive});
-  return found == running_of_client_.end() ? 0 : found->second;
-}
-
-Priority ComputeSlots::rank_of(const Computation& computation) const {
-  const bool goes_first = computation.is_interactive() && turns_.goes_first(running_of(computation.client, true));
-  return goes_first ? Priority::interactive : std::max(computation.priority, Priority::normal);
-}
 
 std::list<ComputeSlots::Computation>::const_iterator ComputeSlots::next() const {
   // Where all slots are taken, there is one for an interactive computation at most.
   const bool is_turn_of_others = turns_.is_turn_of_others() && free(Priority::normal) > 0;
   const auto order = [&](const Computation& one) {
-    const auto rank = rank_of(one);
-    return std::tuple(is_turn_of_others && rank == Priority::interactive ? Priority::background : rank,
-                      running_of(one.client, true) + running_of(one.client, false), one.priority);
+    auto rank = rank_of(one);
+    if (is_turn_of_others && rank.urgency == Priority::interactive) rank.urgency = Priority::background;
+    return rank;
   };
-  return std::min_element(waiting_.begin(), waiting_.end(),
-                          [&](const Computation& a, const Computation& b) { return order(a) < order(b); });
+  return std::ranges::min_element(waiting_, {}, order);
 }
 
 void ComputeSlots::acquire(const CancellationToken& token, const Computation& computation) {
   constexpr std::chrono::milliseconds check_interval{20};  // a stop request does not notify the condition variable
   std::unique_lock lock(mutex_);
   const auto own = waiting_.insert(waiting_.end(), computation);
-  while (free(rank_of(computation)) <= 0 || next() != own) {
+  while (free(rank_of(computation).urgency) <= 0 || next() != own) {
     if (token.requested()) {
       waiting_.erase(own);
       wake_.notify_all();
@@ -43,18 +31,16 @@ void ComputeSlots::acquire(const CancellationToken& token, const Computation& co
   }
   waiting_.erase(own);
   ++running_;
-  ++running_of_client_[{computation.client, computation.is_interactive()}];
-  turns_.note_start(computation.is_interactive(), std::any_of(waiting_.begin(), waiting_.end(),
-                                                              [](const auto& one) { return !one.is_interactive(); }));
-  if (!waiting_.empty() && free(rank_of(*next())) > 0) wake_.notify_all();
+  const auto is_other = [](const Computation& one) { return one.priority != Priority::interactive; };
+  turns_.begin(computation.client, computation.priority, std::ranges::any_of(waiting_, is_other));
+  if (!waiting_.empty() && free(rank_of(*next()).urgency) > 0) wake_.notify_all();
 }
 
 void ComputeSlots::release(const Computation& computation, bool is_given_up) {
   const std::lock_guard lock(mutex_);
   --running_;
   if (is_given_up) --given_up_;
-  const auto count = running_of_client_.find({computation.client, computation.is_interactive()});
-  if (--count->second == 0) running_of_client_.erase(count);
+  turns_.end(computation.client, computation.priority);
   if (!waiting_.empty()) wake_.notify_all();
 }
 

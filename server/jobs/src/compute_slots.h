@@ -3,29 +3,26 @@
 #include <algorithm>
 #include <condition_variable>
 #include <list>
-#include <map>
 #include <mutex>
 #include <string>
 #include <utility>
 
-#include "interactive_turns.h"
+#include "client_turns.h"
 #include "supple/base/cancellation.h"
 #include "supple/base/priority.h"
 
 namespace supple::jobs {
 
-/// Limits how many immediate computations run at the same time. Of those that wait, an interactive one is next, as far
-/// as InteractiveTurns says, then the first one of the client with the fewest running ones, so that a client that sends
+/// Limits how many immediate computations run at the same time. Among those that wait, an interactive one is next, as
+/// far as ClientTurns says, then the first one of the client with the fewest running ones, so that a client that sends
 /// many does not take the slots from others. Where all slots are taken, one more computation may run if it is
-/// interactive and goes first. A computation that does
-/// not stop takes no slot either, as long as there are no more such computations than slots; otherwise threads would be
-/// used up by computations that nobody waits for. Any thread may call.
+/// interactive and goes first. A computation that does not stop takes no slot either, as long as there are no more such
+/// computations than slots; otherwise threads would be used up by computations that nobody waits for. Computations in the
+/// background take no slots, but workers of their own. Any thread may call.
 class ComputeSlots {
   struct Computation {
     Priority priority;
     std::string client;
-
-    bool is_interactive() const { return priority == Priority::interactive; }
   };
 
  public:
@@ -70,17 +67,14 @@ class ComputeSlots {
     const int for_interactive = priority == Priority::interactive ? 1 : 0;
     return count_ + for_interactive + std::min(given_up_, count_) - running_;
   }
-  int running_of(const std::string& client, bool is_interactive) const;
-  /// The priority that counts for a computation that waits.
-  Priority rank_of(const Computation& computation) const;
+  ClientTurns::Rank rank_of(const Computation& one) const { return turns_.rank_of(one.client, one.priority); }
   /// The computation that runs next; the end where none waits.
   std::list<Computation>::const_iterator next() const;
 
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::list<Computation> waiting_;  // the computations that wait, in the order of arrival
-  std::map<std::pair<std::string, bool>, int> running_of_client_;  // by client and whether they are interactive
-  InteractiveTurns turns_;
+  ClientTurns turns_;
   const int count_;
   int running_ = 0;
   int given_up_ = 0;  // running computations whose slots are given up

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 namespace supple::jobs {
 namespace {
@@ -74,31 +73,14 @@ bool FairQueue::is_last_attempt(const Job& job) const {
   return job.earlier_attempts > 0 && job.earlier_attempts + 1 >= options_.max_attempts;
 }
 
-int FairQueue::running_jobs_of(const std::string& client, Priority priority) const {
-  const auto found = running_.find({client, priority});
-  return found == running_.end() ? 0 : found->second;
-}
-
-Priority FairQueue::rank_of(const Job& job) const {
-  const auto& [client, priority] = std::tie(job.computation.client, job.computation.priority);
-  if (priority != Priority::interactive) return priority;
-  return turns_.goes_first(running_jobs_of(client, priority)) ? priority : Priority::normal;
-}
-
 JobPointer FairQueue::first_of(Priority first, Priority last) const {
   const Entry* next = nullptr;
-  std::tuple<Priority, int, Priority> least;  // its rank, the running jobs of its client, and its own priority
+  ClientTurns::Rank least;
   for (const auto& entry : entries_) {
     if (entry.is_paused || (last_attempt_runs_ && is_last_attempt(*entry.job))) continue;
-    const auto priority = rank_of(*entry.job);
-    if (priority < first || priority > last) continue;
     const auto& computation = entry.job->computation;
-    const auto running = [&](Priority one) { return running_jobs_of(computation.client, one); };
-    const int running_of_client = priority == Priority::background
-                                      ? running(Priority::background)
-                                      : running(Priority::interactive) + running(Priority::normal);
-    const std::tuple rank(priority, running_of_client, computation.priority);
-    if (next && rank >= least) continue;
+    const auto rank = turns_.rank_of(computation.client, computation.priority);
+    if (rank.urgency < first || rank.urgency > last || (next && rank >= least)) continue;
     next = &entry;
     least = rank;
   }
@@ -131,17 +113,10 @@ std::vector<JobPointer> FairQueue::jobs() const {
 }
 
 void FairQueue::begin(const Job& job) {
-  const auto& computation = job.computation;
-  ++running_[{computation.client, computation.priority}];
-  if (is_in_background(job)) return;
   const bool others_wait = std::any_of(entries_.begin(), entries_.end(), [](const Entry& entry) {
     return !entry.is_paused && entry.job->computation.priority == Priority::normal;
   });
-  turns_.note_start(computation.priority == Priority::interactive, others_wait);
-}
-
-void FairQueue::end(const std::string& client, Priority priority) {
-  if (const auto count = running_.find({client, priority}); --count->second == 0) running_.erase(count);
+  turns_.begin(job.computation.client, job.computation.priority, others_wait);
 }
 
 void FairQueue::note_time(double seconds) {

@@ -3,19 +3,16 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <map>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "interactive_turns.h"
+#include "client_turns.h"
 #include "job.h"
 
 namespace supple::jobs {
 
-/// The jobs that wait for a worker, in the order of their arrival, and the number of running jobs of each client and
-/// priority. Those in the background have workers of their own. It belongs to the scheduler, whose mutex guards
-/// it.
+/// The jobs that wait for a worker, in the order of their arrival, and whose turn it is. Those in the background have
+/// workers of their own. It belongs to the scheduler, whose mutex guards it.
 class FairQueue {
  public:
   explicit FairQueue(const QueueOptions& options) : options_(options), turns_(options.workers) {}
@@ -29,7 +26,7 @@ class FairQueue {
   void pause(const Job& job, bool is_paused);
   void remove(const Job& job);
   /// The job to run next of those whose priority is from `first` to `last`: of the most urgent ones, the first one of
-  /// the client with the fewest running jobs. An interactive job counts as a normal one where InteractiveTurns says so,
+  /// the client with the fewest running jobs. An interactive job counts as a normal one where ClientTurns says so,
   /// and comes first among the normal ones then, if its client has no more running jobs than others. Null if no job may
   /// run now. Only one job at a time runs its last attempt (JobQueue), since such a job may make the process crash.
   JobPointer next(Priority first, Priority last) const;
@@ -42,7 +39,7 @@ class FairQueue {
 
   void begin(const Job& job);
   /// Counts one running job of the client less, since its worker is free again.
-  void end(const std::string& client, Priority priority);
+  void end(const std::string& client, Priority priority) { turns_.end(client, priority); }
   bool is_last_attempt(const Job& job) const;
   void set_last_attempt_runs(bool runs) { last_attempt_runs_ = runs; }
   /// Notes the seconds that a worker took for a job. Their average tells refused clients when to try again.
@@ -55,15 +52,12 @@ class FairQueue {
   };
   std::deque<Entry>::iterator find(const Job& job);
   static bool is_in_background(const Job& job) { return job.computation.priority == Priority::background; }
-  int running_jobs_of(const std::string& client, Priority priority) const;
-  /// The priority that counts for a waiting job.
-  Priority rank_of(const Job& job) const;
+  /// The next job of those whose urgency is from `first` to `last`.
   JobPointer first_of(Priority first, Priority last) const;
 
   const QueueOptions& options_;
   std::deque<Entry> entries_;
-  std::map<std::pair<std::string, Priority>, int> running_;  // by client and priority
-  InteractiveTurns turns_;
+  ClientTurns turns_;
   bool last_attempt_runs_ = false;
   double mean_seconds_ = 0;  // moving average of the time that a worker takes for a job
 };

@@ -148,11 +148,11 @@ TEST(ComputeSlots, AreGivenToOthersOnceManyInteractiveComputationsHaveGoneFirst)
   std::optional<ComputeSlots::Slot> beyond(std::in_place, slots, CancellationToken(), "many", Priority::interactive);
   Queue queue(slots);
   queue.add('n', "few", Priority::normal);
-  for (int i = 0; i < 2 * InteractiveTurns::max_in_succession; ++i) queue.add('i', "many", Priority::interactive);
+  for (int i = 0; i < 2 * ClientTurns::max_in_succession; ++i) queue.add('i', "many", Priority::interactive);
   taken.reset();  // nothing starts: the one slot is that of the interactive computation now
   beyond.reset();
   queue.join();
-  EXPECT_EQ(queue.order().find('n'), std::size_t{InteractiveTurns::max_in_succession});
+  EXPECT_EQ(queue.order().find('n'), std::size_t{ClientTurns::max_in_succession});
 }
 
 }  // namespace

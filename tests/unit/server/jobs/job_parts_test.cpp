@@ -147,7 +147,7 @@ TEST_F(JobPartsTest, AQueueGivesOthersTheirTurnAfterSomeInteractiveJobsInSuccess
     queue.begin(*one);
     queue.end(one->computation.client, one->computation.priority);
   };
-  for (int i = 0; i < InteractiveTurns::max_in_succession; ++i) {
+  for (int i = 0; i < ClientTurns::max_in_succession; ++i) {
     EXPECT_EQ(id_of(next(queue)), "drag") << i;
     run(drag);
   }
@@ -156,7 +156,7 @@ TEST_F(JobPartsTest, AQueueGivesOthersTheirTurnAfterSomeInteractiveJobsInSuccess
   run(waits);
   EXPECT_EQ(id_of(next(queue)), "drag");
   queue.pause(*waits, true);
-  for (int i = 0; i < 2 * InteractiveTurns::max_in_succession; ++i) run(drag);
+  for (int i = 0; i < 2 * ClientTurns::max_in_succession; ++i) run(drag);
   queue.pause(*waits, false);
   EXPECT_EQ(id_of(next(queue)), "drag") << "nobody waited";
 }

@@ -39,7 +39,7 @@ struct QueueOptions {
 
 /// Runs computations: immediately on the caller's thread, or as jobs on worker threads.
 ///
-/// Interactive computations start before normal ones, as far as InteractiveTurns (interactive_turns.h) says. They also
+/// Interactive computations start before normal ones, as far as ClientTurns (client_turns.h) says. They also
 /// start where `workers` jobs, or `immediate` computations, run already: one more may run if it is interactive.
 /// Background computations run on workers of their own, as many as the others have. Their threads have a lower
 /// priority, so that they delay no other computation (background_threads.h).
