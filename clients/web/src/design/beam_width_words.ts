@@ -2,7 +2,7 @@
 import { percent } from "../base/format";
 import type { SimulatedTarget } from "./simulations";
 
-/** As in "At rest, beams that are 5 % wider change the response by 12 %, narrower ones by 11 %."; empty if nothing is known. */
+/** A sentence such as "At rest, beams that are 5 % wider change the response by 12 %, narrower ones by 11 %."; empty if nothing is known. */
 export function beamWidthSentence({ wider, narrower }: NonNullable<SimulatedTarget["beamWidth"]>): string {
   const clauses = [
     wider !== null && `beams that are 5 % wider change the response by ${percent(wider)}`,
