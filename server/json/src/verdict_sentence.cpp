@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -105,36 +106,83 @@ std::string_view range_words(Fit fit) {
   return {};
 }
 
-/// The ends of a range in percent or degrees, with the digits that tell them apart.
-std::string place_of(const FitRange& range) {
+/// Whether a range is so narrow that its middle says where it is.
+bool is_around_a_direction(const FitRange& range) {
+  return range.part == CurvePart::directions && (range.to - range.from) * 180 / std::numbers::pi <= max_degrees_around;
+}
+
+/// The ends of a range in percent or degrees, without the unit, with the digits that tell them apart. `follows_around`:
+/// whether the range before it in the same clause is around a direction.
+std::string bare_place_of(const FitRange& range, bool follows_around) {
   const bool directions = range.part == CurvePart::directions;
   const double unit = directions ? 180 / std::numbers::pi : 100;
   const double from = unit * range.from;
   const double to = unit * range.to;
-  if (directions && to - from <= max_degrees_around) {
+  if (is_around_a_direction(range)) {
     double middle = rounded(std::fmod((from + to) / 2 + 180, 180), direction_digits);
     if (middle >= 180) middle = 0;
-    return with_slots(verdict_words("place.direction"), {{"middle", number_text(middle)}});
+    return with_slots(follows_around ? verdict_words("place.next_around") : verdict_words("place.around"),
+                      {{"middle", number_text(middle)}});
   }
   int digits = directions ? direction_digits : significant_digits;
   while (digits < max_significant_digits && rounded(from, digits) == rounded(to, digits)) ++digits;
-  return with_slots(directions ? verdict_words("place.directions") : verdict_words("place.strains"),
+  return with_slots(verdict_words("place.range"),
                     {{"from", number_text(rounded(from, digits))}, {"to", number_text(rounded(to, digits))}});
+}
+
+/// Where ranges of one part are.
+std::string place_of(std::span<const FitRange> ranges) {
+  std::string places;
+  bool follows_around = false;
+  for (const FitRange& range : ranges) {
+    const std::string next = bare_place_of(range, follows_around);
+    places = places.empty() ? next : with_slots(verdict_words("place.several"), {{"before", places}, {"next", next}});
+    follows_around = is_around_a_direction(range);
+  }
+  const bool directions = ranges.front().part == CurvePart::directions;
+  return with_slots(directions ? verdict_words("place.in_degrees") : verdict_words("place.in_percent"),
+                    {{"places", places}});
 }
 
 std::string deviation_words(const std::optional<double>& deviation) { return deviation ? percentage(*deviation) : ""; }
 
-std::string clause_about(const FitRange& range) {
-  return with_slots(range_words(range.fit), {{"part", std::string(part_words(range.part))},
-                                             {"place", place_of(range)},
-                                             {"deviation", deviation_words(range.deviation)}});
+/// The weighted root mean square of the deviations of ranges; none if a value is missing.
+std::optional<double> deviation_of(std::span<const FitRange> ranges) {
+  if (ranges.size() == 1) return ranges.front().deviation;
+  double squares = 0;
+  double weights = 0;
+  for (const FitRange& range : ranges) {
+    if (!range.deviation) return {};
+    squares += range.weight * *range.deviation * *range.deviation;
+    weights += range.weight;
+  }
+  return weights > 0 ? std::sqrt(squares / weights) : 0;
 }
 
-/// One sentence with a clause for each range, the best first.
-std::string sentence_about(std::vector<FitRange> ranges) {
-  std::stable_sort(ranges.begin(), ranges.end(), [](const FitRange& a, const FitRange& b) { return a.fit < b.fit; });
+/// A clause about ranges of the same part that are met equally well.
+std::string clause_about(std::span<const FitRange> ranges) {
+  return with_slots(range_words(ranges.front().fit), {{"part", std::string(part_words(ranges.front().part))},
+                                                      {"place", place_of(ranges)},
+                                                      {"deviation", deviation_words(deviation_of(ranges))}});
+}
+
+/// One sentence with a clause for the ranges of each part that are met equally well, the best first.
+std::string sentence_about(const std::vector<FitRange>& ranges) {
+  std::vector<std::vector<FitRange>> clauses;
+  for (const FitRange& range : ranges) {
+    const auto same = std::find_if(clauses.begin(), clauses.end(), [&range](const std::vector<FitRange>& others) {
+      return others.front().fit == range.fit && others.front().part == range.part;
+    });
+    if (same == clauses.end())
+      clauses.push_back({range});
+    else
+      same->push_back(range);
+  }
+  std::stable_sort(clauses.begin(), clauses.end(), [](const std::vector<FitRange>& a, const std::vector<FitRange>& b) {
+    return a.front().fit < b.front().fit;
+  });
   std::string sentence;
-  for (const FitRange& range : ranges) sentence += (sentence.empty() ? "" : ", ") + clause_about(range);
+  for (const auto& clause : clauses) sentence += (sentence.empty() ? "" : ", ") + clause_about(clause);
   if (sentence[0] >= 'a' && sentence[0] <= 'z') sentence[0] = static_cast<char>(sentence[0] - 'a' + 'A');
   return sentence + ".";
 }
@@ -155,7 +203,7 @@ std::string sentence_about(const design::TargetVerdict& target) {
   });
   return with_slots(verdict_words("further.many_ranges"), {{"reached", std::to_string(target.reached)},
                                                            {"samples", std::to_string(target.samples)},
-                                                           {"place", place_of(*worst)},
+                                                           {"place", place_of({&*worst, 1})},
                                                            {"deviation", deviation_words(worst->deviation)}});
 }
 

@@ -85,11 +85,19 @@ export function fitRanges(curve: JudgedCurve): FitRange[] {
 export function joinedAcrossPeriod(ranges: readonly FitRange[], task: Task): readonly FitRange[] {
   const [first, last] = [ranges[0], ranges[ranges.length - 1]];
   if (!isPolar(task) || ranges.length < 2 || first.fit !== last.fit) return ranges;
-  const samples = first.samples + last.samples;
-  const joined = first.deviation === null || last.deviation === null
-    ? null
-    : Math.sqrt((first.samples * first.deviation ** 2 + last.samples * last.deviation ** 2) / samples);
-  return [{ ...first, from: last.from - Math.PI, deviation: joined, samples }, ...ranges.slice(1, -1)];
+  return [{ ...first, from: last.from - Math.PI, deviation: joinedDeviation([first, last]), samples: first.samples + last.samples }, ...ranges.slice(1, -1)];
+}
+
+/** The root mean square of the deviations of ranges; null if a value is missing. */
+export function joinedDeviation(ranges: readonly FitRange[]): number | null {
+  if (ranges.length === 1) return ranges[0].deviation;
+  let [squares, samples] = [0, 0];
+  for (const { deviation, samples: count } of ranges) {
+    if (deviation === null) return null;
+    squares += count * deviation ** 2;
+    samples += count;
+  }
+  return Math.sqrt(squares / samples);
 }
 
 function fitsOf({ task, target, y }: JudgedCurve): Fit[] {

@@ -1,6 +1,6 @@
 // A verdict in the words of the table, as the server writes it.
 import type { Task } from "../contract/types";
-import { badness, type FitRange, joinedAcrossPeriod } from "./verdict_ranges";
+import { badness, type FitRange, joinedAcrossPeriod, joinedDeviation } from "./verdict_ranges";
 import { filled, type Grade, type Heading, limits, type Source, words } from "./verdict_words";
 
 /** Why a grade is unknown. */
@@ -59,23 +59,47 @@ export function deviationWords(deviation: number | null): string {
   return value < MIN_DEVIATION_IN_WORDS ? words.percent.tiny : filled(words.percent.value, { value: numberText(rounded(value, SIGNIFICANT_DIGITS)) });
 }
 
-/** The ends of a range in percent or degrees, with the digits that tell them apart. */
-function placeOf({ part, from, to }: FitRange): string {
-  const isDirection = part === "directions";
-  const [begin, end] = [from, to].map((value) => value * (isDirection ? 180 / Math.PI : 100));
-  if (isDirection && end - begin <= limits.around) {
+/** Whether a range is so narrow that its middle says where it is. */
+function isAroundDirection({ part, from, to }: FitRange): boolean {
+  return part === "directions" && ((to - from) * 180) / Math.PI <= limits.around;
+}
+
+/**
+ * The ends of a range in percent or degrees, without the unit, with the digits that tell them apart. `followsAround`: whether the range before
+ * it in the same clause is around a direction.
+ */
+function barePlaceOf(range: FitRange, followsAround: boolean): string {
+  const isDirection = range.part === "directions";
+  const [begin, end] = [range.from, range.to].map((value) => value * (isDirection ? 180 / Math.PI : 100));
+  if (isAroundDirection(range)) {
     const middle = rounded(((begin + end) / 2 + 180) % 180, DIRECTION_DIGITS);
-    return filled(words.place.direction, { middle: numberText(middle >= 180 ? 0 : middle) });
+    return filled(followsAround ? words.place.next_around : words.place.around, { middle: numberText(middle >= 180 ? 0 : middle) });
   }
   let digits = isDirection ? DIRECTION_DIGITS : SIGNIFICANT_DIGITS;
   while (digits < MAX_SIGNIFICANT_DIGITS && rounded(begin, digits) === rounded(end, digits)) ++digits;
-  return filled(isDirection ? words.place.directions : words.place.strains, { from: numberText(rounded(begin, digits)), to: numberText(rounded(end, digits)) });
+  return filled(words.place.range, { from: numberText(rounded(begin, digits)), to: numberText(rounded(end, digits)) });
 }
 
-/** One sentence with a clause for each range, the best first. */
+/** Where ranges of one part are. */
+function placeOf(ranges: readonly FitRange[]): string {
+  let places = "";
+  ranges.forEach((range, k) => {
+    const next = barePlaceOf(range, k > 0 && isAroundDirection(ranges[k - 1]));
+    places = k === 0 ? next : filled(words.place.several, { before: places, next });
+  });
+  return filled(ranges[0].part === "directions" ? words.place.in_degrees : words.place.in_percent, { places });
+}
+
+/** One sentence with a clause for the ranges of each part that are met equally well, the best first. */
 function rangesSentence(ranges: readonly FitRange[]): string {
-  const clauses = [...ranges].sort((a, b) => badness(a.fit) - badness(b.fit)).map((range) =>
-    filled(words.range[range.fit], { part: words.part[range.part], place: placeOf(range), deviation: deviationWords(range.deviation) })
+  const groups: FitRange[][] = [];
+  for (const range of ranges) {
+    const same = groups.find(([first]) => first.fit === range.fit && first.part === range.part);
+    if (same) same.push(range);
+    else groups.push([range]);
+  }
+  const clauses = groups.sort(([a], [b]) => badness(a.fit) - badness(b.fit)).map((group) =>
+    filled(words.range[group[0].fit], { part: words.part[group[0].part], place: placeOf(group), deviation: deviationWords(joinedDeviation(group)) })
   );
   const sentence = clauses.join(", ");
   return `${sentence[0].toUpperCase()}${sentence.slice(1)}.`;
@@ -88,7 +112,7 @@ function targetSentence({ task, ranges: all, reached, samples }: TargetVerdict):
   if (ranges.length === 1) return ranges[0].fit === "missed" ? words.further.nothing_reached : "";
   if (ranges.length <= limits.ranges) return rangesSentence(ranges);
   const worst = ranges.reduce((most, range) => ((range.deviation ?? 0) > (most.deviation ?? 0) ? range : most));
-  return filled(words.further.many_ranges, { reached, samples, place: placeOf(worst), deviation: deviationWords(worst.deviation) });
+  return filled(words.further.many_ranges, { reached, samples, place: placeOf([worst]), deviation: deviationWords(worst.deviation) });
 }
 
 function headingOf({ grade, doubt, deviation }: VerdictFacts): Heading {
