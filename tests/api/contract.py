@@ -36,7 +36,7 @@ class Contract:
     """The parsed contract, whose operations can be found by method and path."""
 
     def __init__(self, path: Path = ROOT / "api" / "openapi.yaml") -> None:
-        self.spec: Dict[str, Any] = yaml.safe_load(path.read_text(encoding="utf-8"))
+        self.spec: Dict[str, Any] = yaml.load(path.read_text(encoding="utf-8"), yaml.CSafeLoader)
         self._resolver = RefResolver("", self.spec)
         self._operations: List[Tuple["re.Pattern[str]", str, str, Dict[str, Any]]] = []
         for template, item in self.spec["paths"].items():
