@@ -10,37 +10,15 @@
 
 #include "supple/design/design_fault.h"
 #include "support/expect_error.h"
-#include "support/test_calibration.h"
 #include "test_space.h"
 
 namespace supple::design {
 namespace {
 
-using supple::testing::expect_cancelled;
 using supple::testing::expect_error;
 using supple::testing::places;
 
 using std::numbers::pi;
-
-/// A target that the given parameters meet exactly. Its samples are its control points.
-Target target_of(const TestSpace& test, const std::vector<double>& parameters, Task task, int points = 12) {
-  Target target;
-  target.task = task;
-  target.direction = 0.3;
-  target.strain = 0.1;
-  target.samples = points;
-  ProfileSamples samples{task, target.direction, target.strain, StrainMeasure::green, {}};
-  for (int i = 0; i < points; ++i)
-    samples.x.push_back(task == Task::stress_strain ? -0.1 + 0.3 * i / (points - 1) : pi * i / points);
-  const auto profile = evaluate_profile(test.model, test.evaluator, parameters, samples);
-  for (int i = 0; i < points; ++i)
-    target.control_points.emplace_back(samples.x[static_cast<std::size_t>(i)], profile.y[i]);
-  return target;
-}
-
-Eigen::VectorXd vector_of(const std::vector<double>& values) {
-  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
-}
 
 class EveryTask : public ::testing::TestWithParam<Task> {};
 INSTANTIATE_TEST_SUITE_P(InverseDesign, EveryTask,
@@ -113,131 +91,6 @@ TEST(InverseDesign, SaysInDegreesWhereATargetIsMissedAndWhetherTheModelErrsByMor
   EXPECT_EQ(trusted.message.find("No design"), std::string::npos) << trusted.message;
   EXPECT_NE(trusted.message.find("no more than the model errs in the mean (1e+03 %)"), std::string::npos)
       << trusted.message;
-}
-
-/// Error bars of the stress that are `middle` (relative) in the middle of the first parameter's bounds. They grow by
-/// `factor` from there to one end of the bounds.
-void add_growing_bars(neural::Model& model, double middle, double factor) {
-  model.calibration = test::test_calibration(static_cast<int>(model.network.lower.size()));
-  auto& scale = model.calibration->scales[static_cast<std::size_t>(neural::Quantity::stress)];
-  scale.coefficients[1] = std::log(factor);
-  scale.given.offsets = {std::log(middle + model.calibration->floor)};
-}
-
-/// Design::uncertainty of a design with one target, computed from the profile's error bars.
-double expected_uncertainty(const DesignProfile& profile) {
-  double sum = 0;
-  for (std::size_t i = 0; i < profile.in_range.size(); ++i) {
-    const auto at = static_cast<Eigen::Index>(i);
-    if (profile.in_range[i] == 0)
-      sum += profile.target.weights[at] * std::pow(profile.error_bar[at] / 1.645 / profile.target.scale, 2);
-  }
-  return std::sqrt(sum);
-}
-
-TEST(InverseDesign, PrefersDesignsOfWhichTheModelCanBeTrusted) {
-  int not_ends = 0;
-  std::int64_t judged = 0;
-  for (const std::uint64_t seed : {1U, 2U, 3U}) {
-    TestSpace test(2, seed);
-    const DesignProblem problem{{target_of(test, test.at({0.9, 0.4}), Task::stress_strain)}, {}, {}};
-    add_growing_bars(test.model, 0.1, 20);
-    const auto search = [&](Switch trust, CostLedger& bill) {
-      DesignOptions options;
-      options.trust = trust;
-      return find_design(test.space(), problem, options, {.cost = &bill});
-    };
-    CostLedger nearest_bill;
-    const auto nearest = search(Switch::off, nearest_bill);
-    EXPECT_LT(nearest.error.relative_rms, 1e-3) << "the network knows a design that has the target";
-    EXPECT_EQ(nearest.uncertainty, 0) << "nobody asked";
-    EXPECT_GT(expected_uncertainty(nearest.profiles[0]), 0.2);
-    CostLedger bill;
-    const auto trusted = search(Switch::automatic, bill);
-    EXPECT_NEAR(trusted.uncertainty, expected_uncertainty(trusted.profiles[0]), 1e-12);
-    EXPECT_LT(std::hypot(trusted.error.relative_rms, trusted.uncertainty),
-              0.9 * expected_uncertainty(nearest.profiles[0]))
-        << seed;
-    const auto told = [](const CostLedger& from) {
-      const auto& effects = from.effects();
-      return *std::find_if(effects.begin(), effects.end(), [](const auto& effect) { return effect.name == "trust"; });
-    };
-    EXPECT_FALSE(told(nearest_bill).ran);
-    EXPECT_EQ(told(nearest_bill).count, 0);
-    EXPECT_TRUE(told(bill).ran);
-    EXPECT_EQ(told(bill).count > 0, told(bill).seconds > 0) << "others are looked for where the nearest is doubtful";
-    judged += told(bill).count;
-    EXPECT_NE(nearest.stopped, DesignTermination::trusted);
-    not_ends += trusted.stopped == DesignTermination::trusted ? 1 : 0;
-  }
-  EXPECT_GT(not_ends, 0) << "the search ended elsewhere";
-  EXPECT_GT(judged, 0);
-}
-
-TEST(InverseDesign, WeighsTrustWhereARequestSaysWhereToBeginOnlyIfItIsAsked) {
-  TestSpace test(2, 1);
-  const auto start = test.at({0.8, 0.5});
-  const DesignProblem problem{{target_of(test, test.at({0.9, 0.4}), Task::stress_strain)}, vector_of(start), {}};
-  add_growing_bars(test.model, 0.1, 20);
-  const auto search = [&](Switch trust) {
-    DesignOptions options;
-    options.trust = trust;
-    return find_design(test.space(), problem, options);
-  };
-  EXPECT_EQ(search(Switch::automatic).parameters, search(Switch::off).parameters);
-  EXPECT_NE(search(Switch::on).parameters, search(Switch::off).parameters);
-}
-
-TEST(InverseDesign, DoesNotPreferAmongDesignsThatAreTrustedAlike) {
-  TestSpace test(2, 2);
-  const DesignProblem problem{{target_of(test, test.at({0.9, 0.4}), Task::stress_strain)}, {}, {}};
-  const auto without = find_design(test.space(), problem);
-  add_growing_bars(test.model, 0.02, 2);
-  const auto with = find_design(test.space(), problem);
-  EXPECT_EQ(with.parameters, without.parameters) << "bars of up to 4 % are short";
-  EXPECT_EQ(with.uncertainty, 0);
-}
-
-TEST(InverseDesign, HasTheBarsOfSearchedDesignsWhereItSearched) {
-  TestSpace test(2, 3);
-  const auto parameters = test.at({0.4, 0.4});
-  DesignProblem problem{{target_of(test, parameters, Task::stress_strain)}, {}, {}};
-  test.model.calibration = test::test_calibration(2);
-  auto& scale = test.model.calibration->scales[static_cast<std::size_t>(neural::Quantity::stress)];
-  scale.searched.knots = {0};
-  scale.searched.offsets = {std::log(0.04 + test.model.calibration->floor)};
-  const auto share_of = [&] {
-    const auto profile = find_design(test.space(), problem).profiles[0];
-    return profile.error_bar.norm() / profile.achieved.norm();
-  };
-  EXPECT_NEAR(share_of(), 0.04, 1e-9);
-  problem.fixed = {parameters[0], parameters[1]};
-  EXPECT_NEAR(share_of(), 0.02, 1e-9) << "somebody else has chosen this design";
-}
-
-TEST(InverseDesign, ComparesWithTheModelsMeanErrorOnlyWhereItIsTrusted) {
-  TestSpace test(2, 5);
-  auto target = target_of(test, test.at({0.5, 0.5}), Task::stress_strain);
-  for (auto& point : target.control_points) point[1] *= 100;
-  test.model.design_split.emplace().gradient.mean = 10;
-  const auto message = [&] { return find_design(test.space(), {{target}, {}, {}}).message; };
-  add_growing_bars(test.model, 0.02, 1);
-  EXPECT_NE(message().find("no more than the model errs in the mean"), std::string::npos) << message();
-  add_growing_bars(test.model, 0.2, 1);
-  EXPECT_EQ(message().find("no more than the model errs"), std::string::npos) << message();
-  EXPECT_NE(message().find("verify"), std::string::npos) << message();
-}
-
-TEST(InverseDesign, RanksDoubtfulDesignsAsIfTheirModelErredByTheDoubt) {
-  TestSpace doubtful(2, 11);
-  TestSpace rough(2, 11);
-  const DesignProblem problem{{target_of(rough, rough.at({0.3, 0.4}), Task::stress_strain)}, {}, {}};
-  doubtful.model.design_split.emplace().gradient.mean = 0.01;
-  rough.model.design_split.emplace().gradient.mean = 0.05;
-  const std::vector<DesignSpace> spaces{doubtful.space(), rough.space()};
-  EXPECT_EQ(find_designs(spaces, problem)[0].space, 0U);
-  add_growing_bars(doubtful.model, 0.3, 1);
-  EXPECT_EQ(find_designs(spaces, problem)[0].space, 1U);
 }
 
 TEST(InverseDesign, KeepsFixedParametersAndTheBounds) {
@@ -376,14 +229,6 @@ TEST(InverseDesign, GivesTheSameAnswerAgain) {
   EXPECT_EQ(first.profiles[0].achieved, again.profiles[0].achieved);
 }
 
-TEST(InverseDesign, StopsWhenItIsTold) {
-  const TestSpace test(3, 14);
-  const DesignProblem problem{{target_of(test, test.at({0.1, 0.5, 0.6}), Task::poisson)}, {}, {}};
-  const CancellationToken token;
-  token.request(StopReason::cancelled);
-  expect_cancelled(StopReason::cancelled, [&] { find_design(test.space(), problem, {}, {.cancellation = token}); });
-}
-
 TEST(InverseDesign, ReachesATargetThatItMissesWithoutWeightOnly) {
   const TestSpace test(2, 9);
   auto target = target_of(test, test.at({0.2, 0.7}), Task::stress_strain);
@@ -397,69 +242,6 @@ TEST(InverseDesign, ReachesATargetThatItMissesWithoutWeightOnly) {
   EXPECT_EQ(design.message, "");
   EXPECT_FALSE(design.profiles[0].reached[8]) << "the flags are those of all samples";
   EXPECT_LT(design.error.max, 0.1 * std::abs(before));
-}
-
-TEST(InverseDesign, AnswersWithItsBestDesignIfTimeOrMemoryRunsOut) {
-  const TestSpace test(2, 9);
-  const DesignProblem problem{
-      {target_of(test, test.at({0.2, 0.7}), Task::stress_strain)}, vector_of(test.at({0.9, 0.1})), {}};
-  const double whole = find_design(test.space(), problem).error.relative_rms;
-  for (const StopReason reason : {StopReason::deadline, StopReason::memory}) {
-    const CancellationToken token;
-    std::vector<double> errors;
-    const auto design = find_design(test.space(), problem, {}, {.cancellation = token}, [&](const auto& news) {
-      errors.push_back(news.error.relative_rms);
-      if (errors.size() == 2) token.request(reason);
-    });
-    const bool is_late = reason == StopReason::deadline;
-    EXPECT_EQ(design.stopped, is_late ? DesignTermination::deadline : DesignTermination::memory);
-    ASSERT_EQ(errors.size(), 2U);
-    EXPECT_NEAR(design.error.relative_rms, errors.back(), 1e-6);
-    EXPECT_GT(design.error.relative_rms, whole);
-    EXPECT_NE(design.message.find(is_late ? "The deadline passed before" : "A limit of memory was reached before"),
-              std::string::npos)
-        << design.message;
-    EXPECT_FALSE(token.requested()) << "the report goes on";
-  }
-}
-
-TEST(InverseDesign, HasNoAnswerIfTimeRunsOutBeforeItsFirstDesign) {
-  const TestSpace test(3, 14);
-  const DesignProblem problem{{target_of(test, test.at({0.1, 0.5, 0.6}), Task::poisson)}, {}, {}};
-  const CancellationToken token;
-  token.request(StopReason::deadline);
-  expect_cancelled(StopReason::deadline, [&] { find_design(test.space(), problem, {}, {.cancellation = token}); });
-  const std::vector<DesignSpace> spaces{test.space(), test.space()};
-  expect_cancelled(StopReason::deadline, [&] { find_designs(spaces, problem, {}, {.cancellation = token}); });
-}
-
-TEST(InverseDesign, RanksTheBestDesignsOfFamiliesThatAreStopped) {
-  const TestSpace first(2, 10);
-  const TestSpace second(2, 11);
-  const std::vector<DesignSpace> spaces{first.space(), second.space()};
-  const DesignProblem problem{{target_of(second, second.at({0.3, 0.4}), Task::stiffness)}, {}, {}};
-  const CancellationToken token;
-  const auto ranking = find_designs(spaces, problem, {.multi_start = Switch::on}, {.cancellation = token},
-                                    [&](const DesignProgress&) { token.request(StopReason::deadline); });
-  ASSERT_FALSE(ranking.empty());
-  EXPECT_EQ(ranking.front().stopped, DesignTermination::deadline);
-  EXPECT_NE(ranking.front().message.find("The deadline passed before"), std::string::npos) << ranking.front().message;
-  EXPECT_FALSE(token.requested());
-}
-
-TEST(InverseDesign, KeepsTheBestDesignOfTheMaterialsBeforeAStop) {
-  const TestSpace test(2, 9);
-  const double modulus = test.model.provenance.youngs_modulus;
-  DesignProblem problem{
-      {target_of(test, test.at({0.2, 0.7}), Task::stress_strain)}, vector_of(test.at({0.9, 0.1})), {}};
-  problem.moduli = {{30 * modulus, 30 * modulus}, {modulus, modulus}};
-  const CancellationToken token;
-  int reports = 0;
-  const auto design = find_design(test.space(), problem, {}, {.cancellation = token}, [&](const DesignProgress&) {
-    if (++reports == 2) token.request(StopReason::deadline);
-  });
-  EXPECT_EQ(design.stopped, DesignTermination::deadline);
-  EXPECT_EQ(design.material, 0U) << "the second one was not searched";
 }
 
 TEST(InverseDesign, NamesTheParameterThatIsWrong) {

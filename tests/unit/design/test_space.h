@@ -1,5 +1,11 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <cstdint>
+#include <numbers>
+#include <string>
+#include <vector>
+
 #include "supple/design/inverse_design.h"
 #include "support/random_network.h"
 
@@ -39,5 +45,25 @@ struct TestSpace {
   neural::Evaluator evaluator;
   Candidates candidates;
 };
+
+/// A target that the given parameters meet exactly. Its samples are its control points.
+inline Target target_of(const TestSpace& test, const std::vector<double>& parameters, Task task, int points = 12) {
+  Target target;
+  target.task = task;
+  target.direction = 0.3;
+  target.strain = 0.1;
+  target.samples = points;
+  ProfileSamples samples{task, target.direction, target.strain, StrainMeasure::green, {}};
+  for (int i = 0; i < points; ++i)
+    samples.x.push_back(task == Task::stress_strain ? -0.1 + 0.3 * i / (points - 1) : std::numbers::pi * i / points);
+  const auto profile = evaluate_profile(test.model, test.evaluator, parameters, samples);
+  for (int i = 0; i < points; ++i)
+    target.control_points.emplace_back(samples.x[static_cast<std::size_t>(i)], profile.y[i]);
+  return target;
+}
+
+inline Eigen::VectorXd vector_of(const std::vector<double>& values) {
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
 
 }  // namespace supple::design
