@@ -76,9 +76,10 @@ void write_path(JsonWriter& out, const std::vector<surface::PathPoint>& path) {
   out.end_array();
 }
 
+void write_number_or_null(JsonWriter& out, double value) { std::isfinite(value) ? out.number(value) : out.null(); }
+
 void write_number_or_null(JsonWriter& out, std::string_view name, double value) {
-  out.key(name);
-  std::isfinite(value) ? out.number(value) : out.null();
+  write_number_or_null(out.key(name), value);
 }
 
 }  // namespace supple::json

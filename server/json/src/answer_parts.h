@@ -31,6 +31,8 @@ void write_warnings(JsonWriter& out, std::span<const std::string> warnings);
 void write_path(JsonWriter& out, const std::vector<surface::PathPoint>& path);
 
 /// A number that may be missing: null where it is not finite.
+void write_number_or_null(JsonWriter& out, double value);
+/// The same as the field of that name.
 void write_number_or_null(JsonWriter& out, std::string_view name, double value);
 
 /// A matrix as the array of its rows.

@@ -23,8 +23,8 @@ void write_frame(JsonWriter& out, const TriangleMesh& mesh, FaceId face) {
 void write_field_accuracy(JsonWriter& out, surface::FieldMethod method, double allowed, double bound) {
   out.key("accuracy").begin_object();
   out.field("method", field_method_names.name_of(method));
-  out.field("relative_error", allowed).key("relative_error_bound");
-  std::isfinite(bound) ? out.number(bound) : out.null();
+  out.field("relative_error", allowed);
+  write_number_or_null(out, "relative_error_bound", bound);
   out.end_object();
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 
 #include "answer_parts.h"
 #include "supple/design/verdict.h"
@@ -15,13 +14,7 @@ namespace {
 
 void write_numbers_or_nulls(JsonWriter& out, std::string_view name, const Eigen::VectorXd& values) {
   out.key(name).begin_array();
-  for (const double value : values) {
-    if (std::isfinite(value)) {
-      out.number(value);
-    } else {
-      out.null();
-    }
-  }
+  for (const double value : values) write_number_or_null(out, value);
   out.end_array();
 }
 

@@ -108,7 +108,7 @@ void write_each(JsonWriter& out, std::string_view name, const std::vector<Entry>
 }
 
 void write_moduli(JsonWriter& out, bool with_thickness, const std::vector<DirectionalResponse>& responses) {
-  const auto number_or_null = [&](double value) { std::isfinite(value) ? out.number(value) : out.null(); };
+  const auto number_or_null = [&](double value) { write_number_or_null(out, value); };
   write_each(out, "youngs_modulus", responses, [&](const auto& r) { number_or_null(r.youngs_modulus); });
   if (with_thickness)
     write_each(out, "youngs_modulus_mpa", responses, [&](const auto& r) { number_or_null(r.youngs_modulus_mpa); });
@@ -129,20 +129,19 @@ void write_cell_states(JsonWriter& out, const std::vector<Entry>& entries) {
   const auto write_matrix = [&](const Eigen::Matrix2d& matrix) { write_rows(out, matrix); };
   const auto write_boolean = [&](bool value) { out.boolean(value); };
   const auto write_integer = [&](int value) { out.integer(value); };
+  const auto number_or_null = [&](double value) { write_number_or_null(out, value); };
   write_field("deformation_gradient", &CellState::deformation_gradient, write_matrix);
   write_field("nominal_stress", &CellState::nominal_stress, write_matrix);
   write_field("cauchy_stress", &CellState::cauchy_stress, write_matrix);
   write_field("energy_density", &CellState::energy_density, [&](double value) { out.number(value); });
   write_field("stopped", &CellState::stopped, [&](weave::Stop stop) { out.string(weave::to_string(stop)); });
-  write_field("residual", &CellState::residual,
-              [&](double value) { std::isfinite(value) ? out.number(value) : out.null(); });
+  write_field("residual", &CellState::residual, number_or_null);
   write_field("out_of_plane", &CellState::out_of_plane, write_boolean);
   write_field("stable", &CellState::stable, write_boolean);
   write_field("iterations", &CellState::iterations, write_integer);
   write_field("load_steps", &CellState::load_steps, write_integer);
   write_field("branches", &CellState::branches, write_integer);
-  write_field("limit_error", &CellState::limit_error,
-              [&](double value) { std::isfinite(value) ? out.number(value) : out.null(); });
+  write_field("limit_error", &CellState::limit_error, number_or_null);
 }
 
 /// A sentence about the entries that did not converge; empty if all did. It calls the entries `name`, and
@@ -346,7 +345,7 @@ std::string write_weave_deformation(const WeaveDeformationRequest& request, cons
   JsonWriter out;
   out.begin_object();
   write_cell_states(out, states);
-  const auto number_or_null = [&](double value) { std::isfinite(value) ? out.number(value) : out.null(); };
+  const auto number_or_null = [&](double value) { write_number_or_null(out, value); };
   write_each(out, "cauchy_stress_error", states, [&](const auto& state) { number_or_null(state.stress_error); });
   write_each(out, "energy_density_error", states, [&](const auto& state) { number_or_null(state.energy_error); });
   out.field("message", message_about(states, "deformation gradients", "were not reached", request.options));
