@@ -10,6 +10,7 @@
 
 #include "design_search.h"
 #include "free_parameters.h"
+#include "supple/base/best_so_far.h"
 #include "supple/design/verdict.h"
 
 namespace supple::design {
@@ -128,9 +129,13 @@ std::string message_about(const Design& design, const neural::Model& model) {
 
 void report_stop(Design& design, StopReason reason) {
   design.stopped = termination_by(reason);
-  design.message += std::string(design.message.empty() ? "" : " ") +
-                    (reason == StopReason::deadline ? "The deadline passed" : "A limit of memory was reached") +
-                    " before the search had ended: this is the best design until then.";
+  design.message += (design.message.empty() ? "" : " ") +
+                    stop_sentence(reason, " before the search had ended: this is the best design until then.");
+}
+
+StopReason reason_of(PolishTermination stopped) {
+  if (stopped == PolishTermination::deadline) return StopReason::deadline;
+  return stopped == PolishTermination::memory ? StopReason::memory : StopReason::none;
 }
 
 void report_simulation(Design& design, const Polished& polished) {
@@ -139,9 +144,7 @@ void report_simulation(Design& design, const Polished& polished) {
     if (is_simulated(polished))
       design.message = "The simulation does not get to every sample." + by_model;
     else
-      design.message = std::string(polished.stopped == PolishTermination::deadline ? "The deadline passed"
-                                                                                   : "A limit of memory was reached") +
-                       " before the design was simulated." + by_model;
+      design.message = stop_sentence(reason_of(polished.stopped), " before the design was simulated." + by_model);
     return;
   }
   bool reached = true;

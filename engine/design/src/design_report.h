@@ -23,6 +23,9 @@ std::string sentences_about_limits(const Design& design, const DesignSpace& spac
 /// sentence after the others of its message.
 void report_stop(Design& design, StopReason reason);
 
+/// The reason of the stop that ended a polish; `none` if it ended by itself.
+StopReason reason_of(PolishTermination stopped);
+
 /// Sets whether the target is reached by the simulation instead of the model, and replaces the model's message by what
 /// the simulation found. It stays empty if both reach the target. If the simulation does not reach every sample, the
 /// message says so before what the model found, and nothing else changes. The same holds if it was stopped before its

@@ -137,8 +137,7 @@ void PolishRounds::run_simulation(const Eigen::VectorXd& parameters, SimulatedDe
 }
 
 void PolishRounds::record_stopped(PolishRound round, StopReason reason, Clock::time_point begin) {
-  round.reason = std::string(reason == StopReason::deadline ? "The deadline passed" : "A limit of memory was reached") +
-                 " before the simulation had ended.";
+  round.reason = stop_sentence(reason, " before the simulation had ended.");
   record(std::move(round), begin);
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "design_report.h"
+#include "design_search.h"
 #include "modulus_choice.h"
 #include "supple/base/best_so_far.h"
 #include "supple/base/error.h"
@@ -24,7 +25,7 @@ struct Simulated {
   double deviation() const { return polished.target_error.value_or(std::numeric_limits<double>::infinity()); }
 };
 
-std::string_view why_polished(const VerificationPlan& plan, const Polished& polished) {
+std::string why_polished(const VerificationPlan& plan, const Polished& polished) {
   if (plan.polish == Switch::off) return "the request turns it off";
   if (polished.rounds.size() > 1) return "the simulated deviation was beyond the tolerance";
   switch (polished.stopped) {
@@ -33,9 +34,8 @@ std::string_view why_polished(const VerificationPlan& plan, const Polished& poli
     case PolishTermination::not_simulated:
       return "no design that was tried could be simulated at every sample";
     case PolishTermination::deadline:
-      return "the deadline passed";
     case PolishTermination::memory:
-      return "a limit of memory was reached";
+      return std::string(stop_clause(reason_of(polished.stopped)));
     case PolishTermination::no_improvement:
       return "there is no parameter to correct, or nowhere to go";
     default:
@@ -210,9 +210,9 @@ VerifiedDesigns search_designs(std::span<const DesignSpace> spaces, std::span<co
     for (Design& design : ranking) found.ranking.push_back({std::move(design), std::nullopt});
     if (execution.cost) {
       execution.cost->add_effect("verification", false,
-                                 !search.verification                     ? "the request does not ask for it"
-                                 : stopped == DesignTermination::deadline ? "the deadline passed during the search"
-                                                                          : "the search reached a limit of memory");
+                                 search.verification
+                                     ? std::string(stop_clause(reason_of(stopped))) + " during the search"
+                                     : "the request does not ask for it");
       execution.cost->add_effect("polish", false, "designs are corrected where they are verified");
     }
   }

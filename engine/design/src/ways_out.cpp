@@ -384,6 +384,7 @@ std::vector<WayOut> find_ways_out(const WaysOutSearch& search, const Design& des
   std::string why = only_simulation ? "the target is missed by the simulation alone" : "the target is missed";
   Ways ways;
   int tried = 0;
+  std::string_view cut_short;
   try {
     const TimeLimit limit(execution.cancellation, search.max_seconds);
     const Miss miss{search,
@@ -404,12 +405,13 @@ std::vector<WayOut> find_ways_out(const WaysOutSearch& search, const Design& des
     limit.token().throw_if_requested();
   } catch (const Cancelled& stop) {
     if (!keeps_best(stop.reason())) throw;
-    why += stop.reason() == StopReason::memory  ? "; a limit of memory was reached before all was tried"
-           : execution.cancellation.requested() ? "; the deadline passed before all was tried"
-                                                : "; the time for it passed before all was tried";
+    // The searches' own token is stopped for `deadline` where the time for ways out has passed.
+    const bool is_own_limit = stop.reason() == StopReason::deadline && !execution.cancellation.requested();
+    cut_short = is_own_limit ? "the time for it passed" : stop_clause(stop.reason());
   } catch (const std::bad_alloc&) {
-    why += "; a limit of memory was reached before all was tried";
+    cut_short = stop_clause(StopReason::memory);
   }
+  if (!cut_short.empty()) why.append("; ").append(cut_short).append(" before all was tried");
   execution.cancellation.resume(StopReason::memory);
   if (execution.cancellation.reason() != StopReason::deadline) execution.cancellation.throw_if_requested();
   std::stable_sort(ways.begin(), ways.end(),

@@ -77,16 +77,15 @@ struct ReachedPosition {
 
 /// Says why a search was stopped before it was at rest, or on the way to the next position of a host.
 void note_stop(StopReason reason, bool is_on_the_way, Relaxation& result) {
-  const bool is_late = reason == StopReason::deadline;
-  result.stopped = is_late ? RelaxationTermination::deadline : RelaxationTermination::memory;
+  result.stopped = reason == StopReason::deadline ? RelaxationTermination::deadline : RelaxationTermination::memory;
   const std::size_t position = result.stops.size();
   const std::string when =
       is_on_the_way
-          ? "on the way to position " + std::to_string(position) + ": this is the equilibrium " +
+          ? " on the way to position " + std::to_string(position) + ": this is the equilibrium " +
                 (position == 0 ? "before the first motion." : "at position " + std::to_string(position - 1) + ".")
-          : "after " + std::to_string(result.iterations) + (result.iterations == 1 ? " iteration" : " iterations") +
+          : " after " + std::to_string(result.iterations) + (result.iterations == 1 ? " iteration" : " iterations") +
                 ": this is the best state until then, and the network is not at rest.";
-  result.warnings.push_back((is_late ? "The deadline passed " : "A limit of memory was reached ") + when);
+  result.warnings.push_back(stop_sentence(reason, when));
 }
 
 Relaxation run_phases(const RelaxationContext& context) {

@@ -287,10 +287,11 @@ class Search {
 std::string warning_of(const Optimization& result) {
   if (result.stopped != OptimizationTermination::deadline && result.stopped != OptimizationTermination::memory)
     return {};
-  return std::string(result.stopped == OptimizationTermination::deadline ? "The deadline passed"
-                                                                         : "A limit of memory was reached") +
-         " after " + std::to_string(result.iterations) + (result.iterations == 1 ? " iteration" : " iterations") +
-         ": this is the best diagram until then, and its sites are not at rest.";
+  const StopReason reason =
+      result.stopped == OptimizationTermination::deadline ? StopReason::deadline : StopReason::memory;
+  return stop_sentence(reason, " after " + std::to_string(result.iterations) +
+                                   (result.iterations == 1 ? " iteration" : " iterations") +
+                                   ": this is the best diagram until then, and its sites are not at rest.");
 }
 
 }  // namespace

@@ -190,12 +190,10 @@ void follow(WeaveRun& run, const SheetLoad& load, const NaturalUnits& units, con
 
 /// Says of the last state, which is an equilibrium, that there was no time or memory for the next one.
 void note_stop(StopReason reason, SimulationResult& result) {
-  const bool is_late = reason == StopReason::deadline;
   SheetState& last = result.states.back();
-  last.stopped = is_late ? Stop::deadline : Stop::memory;
-  result.message = std::string(is_late ? "The deadline passed" : "A limit of memory was reached") +
-                   " after the equilibrium under " + number_text(last.share) +
-                   " of the loads: the path was not followed further.";
+  last.stopped = reason == StopReason::deadline ? Stop::deadline : Stop::memory;
+  result.message = stop_sentence(reason, " after the equilibrium under " + number_text(last.share) +
+                                             " of the loads: the path was not followed further.");
 }
 
 /// A load, checked and in the natural units of its sheet.

@@ -150,6 +150,12 @@ TEST(SearchUntilStopped, LetsEveryOtherStopPassAndReturnsWhereTheSearchEndsByIts
   });
 }
 
+TEST(SearchUntilStopped, HasASentenceForTheReasonsForWhichItKeepsItsResult) {
+  EXPECT_EQ(stop_clause(StopReason::deadline), "the deadline passed");
+  EXPECT_EQ(stop_sentence(StopReason::deadline, " before."), "The deadline passed before.");
+  EXPECT_EQ(stop_sentence(StopReason::memory, " before."), "A limit of memory was reached before.");
+}
+
 TEST(PartUntilStopped, KeepsItsResultAndLeavesTheStopForTheOthers) {
   for (const StopReason reason : {StopReason::deadline, StopReason::memory, StopReason::cancelled}) {
     const CancellationToken token;

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cctype>
 #include <new>
+#include <string>
+#include <string_view>
 
 #include "supple/base/cancellation.h"
 
@@ -8,6 +11,18 @@ namespace supple {
 
 /// Whether a search that is stopped for this reason answers with the best that it has found.
 constexpr bool keeps_best(StopReason reason) { return reason == StopReason::deadline || reason == StopReason::memory; }
+
+/// Why a search answers with the best that it has found, as a clause: the reason is `deadline` or `memory`.
+constexpr std::string_view stop_clause(StopReason reason) {
+  return reason == StopReason::deadline ? "the deadline passed" : "a limit of memory was reached";
+}
+
+/// A sentence that begins with this clause.
+inline std::string stop_sentence(StopReason reason, std::string_view rest) {
+  std::string sentence(stop_clause(reason));
+  sentence.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(sentence.front())));
+  return sentence.append(rest);
+}
 
 /// Runs a search whose best result so far is worth an answer. If the search is stopped because its deadline has passed
 /// or a limit of memory is reached, and `has_result()` is true by then, the stop is taken back
