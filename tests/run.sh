@@ -137,7 +137,7 @@ part_truth() {
   build_preset release --target supple-server && "$python" -m pytest -q -p no:cacheprovider tests/truth/test_planted_faults.py &&
     "$python" tests/truth/run.py --cases "$truth_cases"
 }
-part_hostile() { build_preset release --target supple-server make_test_model && run_python hostile; }
+part_hostile() { build_preset release --target supple-server make_test_model && run_python hostile -n "$jobs" --dist loadfile; }
 signal_background() { [ -z "$tidy_process" ] || kill "-$1" -- "-$tidy_process" 2>/dev/null || true; }
 # The benchmarks join the optimized build, so that its rooms are not compiled twice.
 part_bench() { configure_preset release && cmake --preset release -DSUPPLE_BUILD_BENCH=ON >build/configure-bench.log 2>&1 &&
@@ -176,11 +176,15 @@ part_tidy() {
   cat build/tidy.log
   return $status
 }
-# These tests run lines that others run too, but so often that a sanitizer takes half a minute to nine minutes for each. The
+# These tests run lines that others run too, but so often that a sanitizer takes a quarter of a minute to nine minutes for each. The
 # optimized build runs them.
 much_repeated=ContactBarrier.HasTheDerivativesOfItsEnergyAtTangledStates:CellMoments.AreTheIntegralsOfTheSquaredDistance
 much_repeated+=:Hosts.AShellBulgesBetweenTheSpringsOfATightNetwork:Crossings.BeyondTheLimitAreRefusedByItsName
 much_repeated+=:RodEnergies.HaveExactDerivativesInSpaceAtRandomAndExtremeStates:Shell.HasTheDerivativesOfItsEnergy
+much_repeated+=:StraightRegions.AgreeWithManySmallTrianglesForRandomImages:CellMoments.HaveTheirDerivativesOnCoarseMeshes
+much_repeated+=:DiscretizationError.OfTheDefaultIsBelowHalfAPerCentAndBelowItsEstimate:Simulator.TangentsOfSoftCellsAreDerivativesOfTheStressToo
+much_repeated+=:MovingDiagram.TakesMemoryForTheMeshAndForWhatIsCutHoweverManySitesThereAre
+much_repeated+=:Homogenize.TakesTheLowerSideOfARidgeWhateverTheSegmentsAndTheLoadSteps
 # Derivatives by differences, and distances beside those of other programs: these run in one thread, or in the same parallel
 # loops again and again that other tests of their rooms run.
 without_races='*Derivatives*:*HasItsGradient:*GeodesicOracle*:CellMoments*'
