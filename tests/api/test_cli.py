@@ -387,7 +387,17 @@ def test_a_relaxation_that_takes_longer_than_a_second_is_followed_to_its_limit(s
 @pytest.fixture
 def queue_of_jobs(api: Api) -> Iterator[List[str]]:
     """Long jobs that occupy every worker for some seconds, so that later jobs wait."""
-    mesh = api.upload(*bumpy_sphere(7))
+    yield from queued(api, 7)
+
+
+@pytest.fixture
+def queue_of_shorter_jobs(api: Api) -> Iterator[List[str]]:
+    """Jobs of a second or more, for a test that waits until they have ended."""
+    yield from queued(api, 6)
+
+
+def queued(api: Api, subdivisions: int) -> Iterator[List[str]]:
+    mesh = api.upload(*bumpy_sphere(subdivisions))
     jobs = [api.post("/v1/geodesic-fields", {"mesh": mesh, "sources": [{"vertex": v}]},
                      headers={"Prefer": "respond-async"}).json()["id"] for v in range(12)]
     yield jobs
@@ -415,8 +425,8 @@ def test_ctrl_c_cancels_the_computation_on_the_server(
 
 
 @needs_terminals
-def test_a_progress_bar_is_drawn_on_a_terminal(supple: Program, queue_of_jobs: List[str]) -> None:
-    process = subprocess.run(["script", "-qec", f"{CLI} job wait {queue_of_jobs[2]}", "/dev/null"], cwd=supple.folder,
+def test_a_progress_bar_is_drawn_on_a_terminal(supple: Program, queue_of_shorter_jobs: List[str]) -> None:
+    process = subprocess.run(["script", "-qec", f"{CLI} job wait {queue_of_shorter_jobs[2]}", "/dev/null"], cwd=supple.folder,
                              env={**os.environ, "SUPPLE_SERVER": supple.url}, capture_output=True, timeout=120, check=False)
     assert process.returncode == 0
     assert re.search(rb"\[#*\.*\]\s+\d+ %  \d+ s  waiting", process.stdout), process.stdout[-400:]

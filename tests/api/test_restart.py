@@ -63,7 +63,7 @@ def test_a_restart_keeps_meshes_and_finished_jobs_and_computes_the_same(new_serv
 def test_kill_9_in_mid_job_loses_no_mesh_no_job_and_no_finished_result(new_server: NewServer, contract: Contract) -> None:
     server = new_server()
     api = Api(server, contract)
-    large = api.upload(*bumpy_sphere(7))
+    large = api.upload(*bumpy_sphere(6))
     meshes = {name: api.get(f"/v1/meshes/{name}").json() for name in (large, api.upload(*sphere(2)))}
     jobs: List[Dict[str, Any]] = []
     for _ in range(3):

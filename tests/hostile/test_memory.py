@@ -73,7 +73,7 @@ def test_an_optimization_of_sites_on_a_large_mesh_takes_less_than_a_gibibyte(bou
     reset_peak(bounded.pid)
     before = bounded.resident_bytes()
     answer = api.ok("/v1/voronoi-optimizations", {
-        "mesh": mesh, "sites": {"count": 60}, "max_iterations": 2,
+        "mesh": mesh, "sites": {"count": 60}, "max_iterations": 1,  # then two states are in memory, as at any later time
         "objectives": {"edge_length": 1, "planarity": 1, "regularity": 1, "centroidal": 1, "equal_area": 1}})
     assert answer["stopped"] in ("iteration_limit", "step_too_small")
     assert peak_bytes(bounded.pid) - before < GIBIBYTE
