@@ -216,17 +216,26 @@ TEST(Hosts, RefuseWhatTheyCannotBe) {
   }
 }
 
-TEST(Hosts, AMembraneFollowsASurfaceThatMoves) {
-  const auto mesh = testing::share(testing::torus(24, 12));
-  const GeodesicSolver solver(mesh);
-  Network network;
-  network.points = poisson_disk_points(solver, 0.45, 1);
-  network.triangles = membrane_at_rest(solver, network.points, triangulate(solver, network.points).triangles, 1);
-  MovingHost host;
-  for (int k = 1; k <= 10; ++k) {
-    auto& positions = host.positions.emplace_back(mesh->positions());
-    for (Vector3d& p : positions) p.x() *= 1 + 0.05 * k;
+/// A membrane at rest on a torus that becomes longer along x in equal steps.
+struct MembraneOnStretchedTorus {
+  MembraneOnStretchedTorus(int steps, double strain_of_step) {
+    network.points = poisson_disk_points(solver, 0.45, 1);
+    network.triangles = membrane_at_rest(solver, network.points, triangulate(solver, network.points).triangles, 1);
+    for (int k = 1; k <= steps; ++k) {
+      auto& positions = host.positions.emplace_back(mesh->positions());
+      for (Vector3d& p : positions) p.x() *= 1 + strain_of_step * k;
+    }
   }
+
+  std::shared_ptr<const TriangleMesh> mesh = testing::share(testing::torus(24, 12));
+  GeodesicSolver solver{mesh};
+  Network network;
+  MovingHost host;
+};
+
+TEST(Hosts, AMembraneFollowsASurfaceThatMoves) {
+  MembraneOnStretchedTorus scene(10, 0.05);
+  auto& [mesh, solver, network, host] = scene;
   int states = 0;
   RelaxationOptions options{.host = host};
   options.observer = [&](const RelaxationStep&, std::span<const SurfacePoint>, const TriangleMesh&) { ++states; };
@@ -256,16 +265,8 @@ TEST(Hosts, AMembraneFollowsASurfaceThatMoves) {
 }
 
 TEST(Hosts, AnswerWithTheEquilibriumAtTheLastPositionIfTimeOrMemoryRunsOut) {
-  const auto mesh = testing::share(testing::torus(24, 12));
-  const GeodesicSolver solver(mesh);
-  Network network;
-  network.points = poisson_disk_points(solver, 0.45, 1);
-  network.triangles = membrane_at_rest(solver, network.points, triangulate(solver, network.points).triangles, 1);
-  MovingHost host;
-  for (int k = 1; k <= 6; ++k) {
-    auto& positions = host.positions.emplace_back(mesh->positions());
-    for (Vector3d& p : positions) p.x() *= 1 + 0.1 * k;
-  }
+  const MembraneOnStretchedTorus scene(6, 0.1);
+  const auto& [mesh, solver, network, host] = scene;
   RelaxationOptions options{.host = host};
   const Relaxation whole = relax(solver, network, options);
   const auto width = [](const std::vector<Vector3d>& positions) {
