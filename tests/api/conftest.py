@@ -12,6 +12,8 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "clients" / "python"))
 
+import supple  # noqa: E402
+from cli_program import Program  # noqa: E402
 from contract import Contract, ROOT  # noqa: E402
 from harness import Api, MODEL_MAKER, SERVER, ServerProcess, make_model, servers_of_a_test  # noqa: E402
 from shapes import flat_grid, sphere  # noqa: E402
@@ -60,6 +62,17 @@ def designs(design_server: ServerProcess, contract: Contract) -> Api:
 @pytest.fixture
 def api(server: ServerProcess, contract: Contract) -> Api:
     return Api(server, contract)
+
+
+@pytest.fixture
+def program(api: Api, tmp_path: Path) -> Program:
+    return Program(api.server.url, tmp_path)
+
+
+@pytest.fixture
+def client(api: Api) -> Iterator[supple.Client]:
+    with supple.Client(api.server.url) as opened:
+        yield opened
 
 
 @pytest.fixture

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cli_program import Program
 from design_requests import DESIGNS, KNOWN, effect, known_problem
 from harness import Api
-from test_cli import Program
 
 NAME = "beam_width_sensitivity"
 

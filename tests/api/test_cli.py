@@ -9,46 +9,20 @@ import signal
 import subprocess
 import time
 from pathlib import Path
-from typing import Any, Iterator, List, Tuple
+from typing import Iterator, List, Tuple
 
 import numpy as np
 import pytest
 
+from cli_program import Program, number_after
 from harness import Api, CLI, MESHES, free_port, needs_terminals
-from shapes import bumpy_sphere, flat_grid, obj_text, sphere, two_triangles_apart
+from shapes import bumpy_sphere, flat_grid, sphere, two_triangles_apart
 from working_time import PATIENCE_SECONDS
-
-
-class Program:
-    """Runs `supple` with a server and a separate folder."""
-
-    def __init__(self, url: str, folder: Path) -> None:
-        self.url = url
-        self.folder = folder
-
-    def run(self, *arguments: str) -> "subprocess.CompletedProcess[str]":
-        return subprocess.run([str(CLI), *arguments], cwd=self.folder, env={**os.environ, "SUPPLE_SERVER": self.url},
-                              capture_output=True, text=True, timeout=60, check=False)
-
-    def ok(self, *arguments: str) -> str:
-        finished = self.run(*arguments)
-        assert finished.returncode == 0, finished.stderr
-        return finished.stdout
-
-    def file(self, name: str, mesh: Any) -> str:
-        (self.folder / name).write_text(obj_text(mesh))
-        return name
 
 
 @pytest.fixture
 def supple(api: Api, tmp_path: Path) -> Program:
     return Program(api.server.url, tmp_path)
-
-
-def number_after(name: str, text: str) -> float:
-    found = re.search(rf"{re.escape(name)}\s+([-+0-9.e]+)", text)
-    assert found, text
-    return float(found.group(1))
 
 
 def test_help_lists_the_commands_examples_and_exit_codes(supple: Program) -> None:

@@ -9,8 +9,8 @@ from typing import Dict, List, Set, Tuple
 
 import pytest
 
+from cli_program import Program
 from harness import CLI, Api
-from test_cli import Program
 from test_cli_usage import run
 
 POISSON = ("design", "--task", "poisson", "--target", "0,0.1;1,0.3")

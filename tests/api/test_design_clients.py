@@ -17,10 +17,10 @@ import numpy as np
 import pytest
 
 import supple
+from cli_program import Program, number_after
 from contract import ROOT
 from design_requests import FEW, KNOWN, known_problem, long_request, profile
 from harness import Api
-from test_cli import Program, number_after
 
 QUICK = ["--candidates", "8", "--starts", "2"]
 FAMILY = ["design", "--task", "stress_strain", "--family", "IH29", *QUICK]

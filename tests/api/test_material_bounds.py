@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 import supple
+from cli_program import Program
 from design_requests import DESIGNS, FEW, known_problem, spline
 from harness import Api
-from test_cli import Program
 
 SVG = "{http://www.w3.org/2000/svg}"
 ANGLES = np.linspace(0, np.pi, 24, endpoint=False)

@@ -7,29 +7,17 @@ import json
 import os
 import subprocess
 import sys
-from pathlib import Path
-from typing import Iterator, List
+from typing import List
 
 import numpy as np
 import pytest
 
 import supple
+from cli_program import Program, number_after
 from contract import ROOT
 from harness import Api
-from test_cli import Program, number_after
 
 DESIGN = ["--parameters", "0.15,0.65"]
-
-
-@pytest.fixture
-def program(api: Api, tmp_path: Path) -> Program:
-    return Program(api.server.url, tmp_path)
-
-
-@pytest.fixture
-def client(api: Api) -> Iterator[supple.Client]:
-    with supple.Client(api.server.url) as opened:
-        yield opened
 
 
 def test_the_models_are_listed_and_described(program: Program, api: Api) -> None:

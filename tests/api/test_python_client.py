@@ -6,7 +6,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import Any, Iterator, List, Tuple
+from typing import Any, List, Tuple
 
 import numpy as np
 import pytest
@@ -18,12 +18,6 @@ from shapes import bumpy_sphere, flat_grid, obj_text, sphere, two_triangles_apar
 from working_time import PATIENCE_SECONDS, ends_within
 
 EXAMPLES = sorted((ROOT / "clients" / "python" / "examples").glob("*.py"))
-
-
-@pytest.fixture
-def client(api: Api) -> Iterator[supple.Client]:
-    with supple.Client(api.server.url) as opened:
-        yield opened
 
 
 def test_a_mesh_is_uploaded_from_a_file_from_bytes_and_from_arrays(client: supple.Client, tmp_path: Path) -> None:

@@ -5,29 +5,17 @@ from __future__ import annotations
 import csv
 import json
 import xml.etree.ElementTree as ElementTree
-from pathlib import Path
-from typing import Iterator, List, Tuple
+from typing import List, Tuple
 
 import numpy as np
 import pytest
 
 import supple
+from cli_program import Program, number_after
 from harness import Api
 from plane import dxf_polylines, polygon_area, stl_triangles, unmatched_edges
-from test_cli import Program, number_after
 
 COARSE = ["--mesh-size", "1"]
-
-
-@pytest.fixture
-def program(api: Api, tmp_path: Path) -> Program:
-    return Program(api.server.url, tmp_path)
-
-
-@pytest.fixture
-def client(api: Api) -> Iterator[supple.Client]:
-    with supple.Client(api.server.url) as opened:
-        yield opened
 
 
 def test_the_families_are_listed_and_described(program: Program, api: Api) -> None:

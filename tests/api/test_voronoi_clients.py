@@ -10,26 +10,20 @@ import signal
 import subprocess
 import time
 from pathlib import Path
-from typing import Any, Iterator
+from typing import Any
 
 import numpy as np
 import pytest
 
 import supple
-from harness import Api
+from cli_program import Program, number_after
+from harness import CLI, Api
 from shapes import bumpy_sphere, flat_grid, sphere
-from test_cli import CLI, Program, number_after
 
 
 @pytest.fixture
 def cli(api: Api, tmp_path: Path) -> Program:
     return Program(api.server.url, tmp_path)
-
-
-@pytest.fixture
-def client(api: Api) -> Iterator[supple.Client]:
-    with supple.Client(api.server.url) as found:
-        yield found
 
 
 def spread(text: str, name: str) -> Any:

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import supple
+from cli_program import Program
 from design_requests import DESIGNS, FEW, KNOWN, effect, known_problem, profile, spline
 from harness import Api, problem_code
-from test_cli import Program
 from test_jobs import events, start_job
 from working_time import ends_within
 

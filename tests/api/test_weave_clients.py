@@ -5,29 +5,17 @@ from __future__ import annotations
 import csv
 import json
 import xml.etree.ElementTree as ElementTree
-from pathlib import Path
-from typing import Iterator, List
+from typing import List
 
 import numpy as np
 import pytest
 
 import supple
+from cli_program import Program, number_after
 from harness import Api
-from test_cli import Program, number_after
 
 SVG = "{http://www.w3.org/2000/svg}"
 SHEET = ["regular", "--sheet", "5x4"]
-
-
-@pytest.fixture
-def program(api: Api, tmp_path: Path) -> Program:
-    return Program(api.server.url, tmp_path)
-
-
-@pytest.fixture
-def client(api: Api) -> Iterator[supple.Client]:
-    with supple.Client(api.server.url) as opened:
-        yield opened
 
 
 def test_a_layout_is_described_and_drawn(program: Program, api: Api) -> None:
