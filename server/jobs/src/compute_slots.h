@@ -17,8 +17,8 @@ namespace supple::jobs {
 /// far as ClientTurns says, then the first one of the client with the fewest running ones, so that a client that sends
 /// many does not take the slots from others. Where all slots are taken, one more computation may run if it is
 /// interactive and goes first. A computation that does not stop takes no slot either, as long as there are no more such
-/// computations than slots; otherwise threads would be used up by computations that nobody waits for. Computations in the
-/// background take no slots, but workers of their own. Any thread may call.
+/// computations than slots; otherwise threads would be used up by computations that nobody waits for. Computations in
+/// the background take no slots, but workers of their own. Any thread may call.
 class ComputeSlots {
   struct Computation {
     Priority priority;
