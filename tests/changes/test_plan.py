@@ -92,7 +92,7 @@ def test_each_file_of_this_checkout_is_known_to_the_table_and_each_part_to_the_s
     for path in filter(None, files):
         effects = effects_of(path)
         if EVERYTHING in effects:
-            assert re.match(r"engine/base/|api/|cmake/|models/|\.ci/|tests/(changes|support|run\.sh|packages)|deploy/packages|CMake", path) \
+            assert re.match(r"engine/base/|api/|cmake/|models/|\.ci/|tests/(changes|support|run\.sh|slowest\.py|packages)|deploy/packages|CMake", path) \
                 or re.search(r"CMakeLists\.txt$|\.cmake$", path), f"tests/changes/paths.py has no row for {path}"
         if TARGETS in effects:
             assert graph.readers(path) or graph.owners(path), f"no target is known to read {path}"

@@ -27,10 +27,10 @@ constexpr double max_damping = 1e8;
 constexpr double min_start_eigenvalue = 1e-3;
 /// The smallest eigenvalue of an answer over its trace.
 constexpr double min_eigenvalue = 1e-13;
-/// Number of random starts, and how many of each kind are followed. With 400 random targets, of which three quarters are
-/// rough (as much amplitude in the eighth harmonic as in the first), the linear fit and an isotropic start alone lead
-/// to more than the least deviation that 324 starts find ten times, by up to 14 % of it; with these twenty it is one,
-/// by 4 %.
+/// Number of random starts, and how many of each kind are followed. With 400 random targets, of which three quarters
+/// are rough (as much amplitude in the eighth harmonic as in the first), the linear fit and an isotropic start alone
+/// lead to more than the least deviation that 324 starts find ten times, by up to 14 % of it; with these twenty it is
+/// one, by 4 %.
 constexpr int random_start_count = 100;
 constexpr int followed_random_starts = 12;
 constexpr int followed_orthotropic_starts = 8;
