@@ -261,7 +261,7 @@ std::vector<std::vector<double>> box_samples(const FamilyDefinition& definition,
   if (dimensions == 0) return samples;
   for (unsigned corner = 0; corner < 1U << std::min<std::size_t>(dimensions, max_corner_dimensions); ++corner)
     samples.push_back(at([&](std::size_t k) { return corner >> k & 1U ? 1.0 : 0.0; }));
-  const SobolSequence sequence("tiling.definition_check", 1);
+  const SobolSequence sequence("samples of a definition", 1);
   for (int k = 0; k < spread; ++k) {
     const auto point = sequence.point(static_cast<std::uint32_t>(k));
     samples.push_back(at([&](std::size_t dimension) { return point[dimension]; }));
