@@ -106,7 +106,7 @@ INSTANTIATE_TEST_SUITE_P(Random, FollowedSurfaces, ::testing::Range<std::uint64_
 // or leave one that was not.
 TEST(FollowedSurface, LossesAreCountedAndNothingElse) {
   int back_with_jumps = 0;
-  for (std::uint64_t seed = 0; seed < 90; ++seed) {
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     RandomStream random("losses on the way", seed);
     Follower hard(seed % 2 == 0 ? testing::torus(9, 5) : testing::icosphere(1));
@@ -119,7 +119,7 @@ TEST(FollowedSurface, LossesAreCountedAndNothingElse) {
     EXPECT_TRUE(has_jumped || change < 1e-6) << change;
     if (has_jumped && change < 1e-7) ++back_with_jumps;
   }
-  EXPECT_LE(back_with_jumps, 3);
+  EXPECT_LE(back_with_jumps, 2);
 }
 
 // Hard: a compressed membrane with sides at cut loci, and a stretched one, both without fixed points.

@@ -59,7 +59,7 @@ TEST(Jams, ANetworkThatOneSpringHoldsUpGetsOn) {
 // Hard: steps that oscillate across a ridge gain little each time, until the iteration limit.
 TEST(Jams, RidgesAreLeftOrNamed) {
   int unfinished = 0;
-  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
     RandomStream random("ridges", seed);
     const bool is_torus = seed % 2 == 0;
     NetworkCase hard(is_torus ? testing::torus(9, 5) : testing::icosphere(1));
@@ -70,14 +70,14 @@ TEST(Jams, RidgesAreLeftOrNamed) {
       std::cout << "seed " << seed << " " << to_string(relaxed.stopped) << "\n";
     }
   }
-  EXPECT_LE(unfinished, 2);
+  EXPECT_LE(unfinished, 1);
 }
 
 // Hard: many passes of fixing and releasing points lower the energy by less than a hundredth each. A search that ends
 // after some of them is not at a minimum.
 TEST(Jams, AnAnswerAtACutLocusIsNotLeftByAskingAgain) {
   int jammed = 0;
-  for (std::uint64_t seed = 0; seed < 30; ++seed) {
+  for (std::uint64_t seed = 0; seed < 15; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     RandomStream random("asked again", seed);
     NetworkCase hard(bumpy_sheet(5 + static_cast<int>(seed % 3), random));
@@ -91,7 +91,7 @@ TEST(Jams, AnAnswerAtACutLocusIsNotLeftByAskingAgain) {
     const Relaxation again = relax(hard.solver, hard.network, hard.options);
     EXPECT_GE(again.energy, relaxed.energy * (1 - 1e-5));
   }
-  EXPECT_GT(jammed, 3);
+  EXPECT_GT(jammed, 1);
 }
 
 }  // namespace

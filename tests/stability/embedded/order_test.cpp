@@ -74,7 +74,7 @@ TEST(Order, OfPointsAndFacesDoesNotChangeTheAnswer) {
 // must not depend on the faces' tangent frames, which are given by their first corners.
 TEST(Order, OfCornersDoesNotChooseAmongEquilibria) {
   int others = 0;
-  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
     RandomStream random("order of corners", seed);
     NetworkCase hard(testing::torus(9, 5));
     draw_network(hard, {.points = 12, .shortest = 0.6, .longest = 1.3, .fixed = 2}, random);
@@ -83,7 +83,7 @@ TEST(Order, OfCornersDoesNotChooseAmongEquilibria) {
     const double energy = relax(same->solver, same->network, same->options).energy;
     others += std::abs(energy - relaxed.energy) > 1e-6 * relaxed.energy;
   }
-  EXPECT_LE(others, 1);
+  EXPECT_EQ(others, 0);
 }
 
 }  // namespace
