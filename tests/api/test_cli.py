@@ -400,7 +400,7 @@ def test_ctrl_c_cancels_the_computation_on_the_server(
 
 @needs_terminals
 def test_a_progress_bar_is_drawn_on_a_terminal(supple: Program, queue_of_shorter_jobs: List[str]) -> None:
-    process = subprocess.run(["script", "-qec", f"{CLI} job wait {queue_of_shorter_jobs[2]}", "/dev/null"], cwd=supple.folder,
+    process = subprocess.run(["script", "-qec", f"{CLI} job wait {queue_of_shorter_jobs[-1]}", "/dev/null"], cwd=supple.folder,
                              env={**os.environ, "SUPPLE_SERVER": supple.url}, capture_output=True, timeout=120, check=False)
     assert process.returncode == 0
     assert re.search(rb"\[#*\.*\]\s+\d+ %  \d+ s  waiting", process.stdout), process.stdout[-400:]
