@@ -6,25 +6,19 @@
 #include <limits>
 #include <utility>
 
+#include "path_limits.h"
+
 namespace supple::microscale {
 namespace {
 
 /// A load step below this change of F (largest component) is not divided again.
 constexpr double min_load_step = 1e-6;
-/// Limit of the length of a cubic extrapolation, divided by the length of the load step from which it is made.
-constexpr double max_extrapolation = 2.5;
 /// Two load steps have the same direction if the cosine of the angle between them is above this.
 constexpr double same_direction_cosine = 1 - 1e-9;
-
-/// The factorization is used again if a Newton step has reduced the gradient's norm by this factor. A step with the old
-/// factorization costs about a tenth of a new factorization.
-constexpr double reuse_contraction = 0.25;
 
 /// The curvature of the energy along the buckling of a beam is about 1e-8 of the Hessian's scale. The first
 /// regularization that is tried, relative to that scale, is therefore well below.
 constexpr double first_regularization = 1e-10;
-/// Limit of the factor by which a step that leaves an unstable state may be lengthened, for the same reason.
-constexpr double max_expansion = 64;
 
 /// Relative residual of the response to strains below which its iterative refinement ends, if tangents are returned.
 constexpr double max_tangent_residual = 1e-9;

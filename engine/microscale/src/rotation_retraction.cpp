@@ -25,13 +25,43 @@ const Eigen::Array4d subtriangle_scale(2, 2, 2, -2);
 
 }  // namespace
 
-RotationRetraction::RotationRetraction(const tiling::PeriodicMesh& mesh) : coordinates_{mesh.nodes.cols()} {
-  numerics::HessianEntries entries(coordinates_.nodes);
+RotationRetraction::RotationRetraction(const tiling::PeriodicMesh& mesh)
+    : coordinates_{mesh.nodes.cols()}, follows_first_node_(true) {
+  add_triangles(mesh);
+  components_[0] = std::make_unique<Component>();
+  factorize(std::vector<bool>(static_cast<std::size_t>(coordinates_.nodes), false), *components_[0]);
+}
+
+RotationRetraction::RotationRetraction(const tiling::PeriodicMesh& mesh, const std::vector<bool>& fixed)
+    : coordinates_{mesh.nodes.cols()}, follows_first_node_(false) {
+  add_triangles(mesh);
+  fix(fixed);
+}
+
+void RotationRetraction::fix(const std::vector<bool>& fixed) {
+  std::array<std::vector<bool>, 2> of_axis;
+  for (std::size_t k = 0; k < fixed.size(); ++k) of_axis[k % 2].push_back(fixed[k]);
+  follows_first_node_ = false;
+  components_[1].reset();
+  for (std::size_t axis = 0; axis < (of_axis[0] == of_axis[1] ? 1U : 2U); ++axis) {
+    components_[axis] = std::make_unique<Component>();
+    factorize(of_axis[axis], *components_[axis]);
+  }
+}
+
+void RotationRetraction::add_triangles(const tiling::PeriodicMesh& mesh) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Eigen::Vector2d a = mesh.corner(static_cast<int>(t), 0);
     Eigen::Matrix2d sides;
     sides << mesh.corner(static_cast<int>(t), 1) - a, mesh.corner(static_cast<int>(t), 2) - a;
-    const Triangle triangle{mesh.triangles[t], sides.inverse(), sides.determinant() / 8};
+    triangles_.push_back({mesh.triangles[t], sides.inverse(), sides.determinant() / 8});
+  }
+}
+
+void RotationRetraction::factorize(const std::vector<bool>& fixed, Component& component) const {
+  component.unknowns = numerics::Unknowns(fixed);
+  numerics::HessianEntries entries(component.unknowns.numbering());
+  for (const Triangle& triangle : triangles_) {
     Eigen::Matrix<double, 3, 2> gradient;
     gradient << -triangle.gradient.colwise().sum(), triangle.gradient;
     const Eigen::Matrix3d products = 4 * triangle.area * gradient * gradient.transpose();
@@ -42,12 +72,11 @@ RotationRetraction::RotationRetraction(const tiling::PeriodicMesh& mesh) : coord
           const int column = triangle.node[static_cast<std::size_t>(subtriangle[l])];
           entries.add(row, column, (k != l && row == column ? 2 : 1) * products(k, l));
         }
-    triangles_.push_back(triangle);
   }
   auto matrix = std::make_shared<numerics::BorderedMatrix>();
   entries.assemble(coordinates_.nodes, *matrix);
   const numerics::Hessian laplacian = std::shared_ptr<const numerics::BorderedMatrix>(matrix);
-  laplacian_.factorize(laplacian, relative_shift * numerics::matrix_scale(laplacian));
+  component.laplacian.factorize(laplacian, relative_shift * numerics::matrix_scale(laplacian));
 }
 
 void RotationRetraction::add_gradients(const Triangle& triangle, const Eigen::VectorXd& x, Gradients& sum) {
@@ -109,9 +138,21 @@ Eigen::VectorXd RotationRetraction::retract(const Eigen::VectorXd& x, const Eige
   }
   Eigen::VectorXd moved = x + step;
   if (largest_angle < min_angle) return moved;
-  const Eigen::MatrixXd change = laplacian_.solve_core(right_side.transpose());
+  const auto solve = [&right_side](const Component& component, Eigen::Index axis, Eigen::Index axes) {
+    Eigen::MatrixXd known(component.unknowns.size(), axes);
+    for (Eigen::Index k = 0; k < axes; ++k)
+      known.col(k) = component.unknowns.restrict(right_side.row(axis + k).transpose());
+    return component.unknowns.expand_core(component.laplacian.solve_core(known));
+  };
+  Eigen::MatrixXd change(coordinates_.nodes, 2);
+  if (components_[1])
+    change << solve(*components_[0], 0, 1), solve(*components_[1], 1, 1);
+  else
+    change = solve(*components_[0], 0, 2);
+  const Eigen::RowVector2d common =
+      follows_first_node_ ? Eigen::RowVector2d(change.row(0)) : Eigen::RowVector2d(Eigen::RowVector2d::Zero());
   for (Eigen::Index node = 0; node < coordinates_.nodes; ++node)
-    moved.segment<2>(coordinates_.displacement(node)) += (change.row(node) - change.row(0)).transpose();
+    moved.segment<2>(coordinates_.displacement(node)) += (change.row(node) - common).transpose();
   return moved;
 }
 

@@ -87,6 +87,7 @@ HelperTasks helper_tasks() {
   tasks.emplace(dxf_task, file_task(make_dxf));
   tasks.emplace(stl_task, file_task(make_stl));
   add_part_tasks(tasks);
+  add_part_mesh_task(tasks);
   return tasks;
 }
 

@@ -25,7 +25,22 @@ constexpr double filled_area_tolerance = 1e-7;
 /// If a mesh by tiles has a smaller angle (rad) than this, about 20 degrees, a mesh by cells is tried.
 constexpr double min_acceptable_angle = 0.35;
 
-void check(const MeshOptions& options) {
+double twice_area(const PeriodicMesh& mesh, int t) {
+  const Eigen::Vector2d a = mesh.corner(t, 0);
+  return cross(mesh.corner(t, 1) - a, mesh.corner(t, 2) - a);
+}
+
+void check_area(const PeriodicMesh& mesh, const Structure& structure) {
+  const double solid_area = mesh.solid_area();
+  if (std::abs(solid_area - structure.solid_area) <= filled_area_tolerance * structure.cell_area) return;
+  std::ostringstream message;
+  message << "The triangles cover " << solid_area << " mm^2 of a solid of " << structure.solid_area << " mm^2.";
+  throw TilingError("tiling.mesh_not_periodic", message.str(), {{"parameters", message.str()}});
+}
+
+}  // namespace
+
+void check_mesh_options(const MeshOptions& options) {
   std::vector<Error::Detail> details;
   const auto require = [&](bool holds, const char* where, const std::string& message) {
     if (!holds) details.push_back({where, message});
@@ -48,23 +63,8 @@ void check_number_of_nodes(double nodes, const MeshOptions& options, const char*
   throw MeshTooLarge("tiling.mesh_too_large", message.str(), {{"mesh_size", message.str()}});
 }
 
-double twice_area(const PeriodicMesh& mesh, int t) {
-  const Eigen::Vector2d a = mesh.corner(t, 0);
-  return cross(mesh.corner(t, 1) - a, mesh.corner(t, 2) - a);
-}
-
-void check_area(const PeriodicMesh& mesh, const Structure& structure) {
-  const double solid_area = mesh.solid_area();
-  if (std::abs(solid_area - structure.solid_area) <= filled_area_tolerance * structure.cell_area) return;
-  std::ostringstream message;
-  message << "The triangles cover " << solid_area << " mm^2 of a solid of " << structure.solid_area << " mm^2.";
-  throw TilingError("tiling.mesh_not_periodic", message.str(), {{"parameters", message.str()}});
-}
-
-}  // namespace
-
 PeriodicMesh make_mesh(const Structure& structure, const MeshOptions& options) {
-  check(options);
+  check_mesh_options(options);
   double outline_length = 0;
   double corners = 0;
   for (const std::vector<Polygon>& holes : structure.holes) {

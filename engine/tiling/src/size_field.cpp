@@ -20,6 +20,11 @@ constexpr double count_tolerance = 1e-6;
 /// Steps by which the density of nodes along a segment is integrated, for each of the smallest wanted lengths.
 constexpr double steps_per_side = 8;
 
+/// The square of side `side` in which a point lies.
+std::pair<int, int> square_of(const Eigen::Vector2d& p, double side) {
+  return {static_cast<int>(std::floor(p.x() / side)), static_cast<int>(std::floor(p.y() / side))};
+}
+
 int count_of(double sides) { return std::max(1, static_cast<int>(std::ceil(sides - count_tolerance))); }
 
 /// Ratio of a triangle's area to its squared wanted side; gmsh's triangles are close to equilateral.
@@ -57,10 +62,25 @@ void SizeField::repeat_corners(const Eigen::Matrix2d& lattice, const Eigen::Vect
   corners_ = std::move(translates);
 }
 
+void SizeField::index_corners() {
+  squares_.clear();
+  for (const Eigen::Vector2d& corner : corners_) squares_[square_of(corner, radius_)].push_back(corner);
+}
+
 double SizeField::operator()(const Eigen::Vector2d& p) const {
   if (corner_size_ == 1) return size_;
   double squared = radius_ * radius_;
-  for (const Eigen::Vector2d& corner : corners_) squared = std::min(squared, (p - corner).squaredNorm());
+  const auto include = [&](const std::vector<Eigen::Vector2d>& corners) {
+    for (const Eigen::Vector2d& corner : corners) squared = std::min(squared, (p - corner).squaredNorm());
+  };
+  if (squares_.empty()) {
+    include(corners_);
+  } else {
+    const auto [i, j] = square_of(p, radius_);
+    for (int di = -1; di <= 1; ++di)
+      for (int dj = -1; dj <= 1; ++dj)
+        if (const auto found = squares_.find({i + di, j + dj}); found != squares_.end()) include(found->second);
+  }
   return size_ * (corner_size_ + (1 - corner_size_) * std::sqrt(squared) / radius_);
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "supple/tiling/mesh.h"
@@ -20,8 +22,13 @@ class SizeField {
   /// Replaces the corners by all their translates that influence the parallelogram `origin` + lattice * [0, 1]^2.
   void repeat_corners(const Eigen::Matrix2d& lattice, const Eigen::Vector2d& origin);
 
+  /// Sorts the corners into squares, so that a size is found in the time for the corners nearby. It pays for more than
+  /// some hundred corners. Corners must not be changed afterwards.
+  void index_corners();
+
   double operator()(const Eigen::Vector2d& p) const;
   double max_size() const { return size_; }
+  std::size_t corners() const { return corners_.size(); }
   /// Expected number of nodes of quadratic triangles on `solid_area` (mm^2) with `corners` corners.
   double expected_nodes(double solid_area, double corners) const;
 
@@ -33,6 +40,7 @@ class SizeField {
   double corner_size_;  // relative to size_
   double radius_;       // mm
   std::vector<Eigen::Vector2d> corners_;
+  std::map<std::pair<int, int>, std::vector<Eigen::Vector2d>> squares_;  // of side radius_; empty without an index
 };
 
 /// Inner points that divide the segment into equal parts no longer than `size`: the same points from either end.

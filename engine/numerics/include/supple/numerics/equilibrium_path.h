@@ -23,6 +23,9 @@ struct PathOptions {
   /// Factor of max_iterations for a minimization that begins at a state to which an unstable equilibrium was left. Such
   /// a state is far from the stable equilibrium, and a shorter load step would not bring it nearer.
   int iteration_factor_after_leaving = 4;
+  /// Maximum number of repetitions of one minimization at the scene's request (`must_minimize_again`). A state that has
+  /// to be minimized again then is no equilibrium of the scene.
+  int max_repeats = 10;
   double largest_step = 1;
   double smallest_step = 1e-6;  ///< a load step is not divided below this length
   /// After a load step of at most this many Newton iterations, the next one may be longer by the factor `step_growth`.
@@ -203,10 +206,6 @@ class EquilibriumPath {
   void set_branches_left(int branches) { counts_.branches_left = branches; }
 
  private:
-  /// Maximum number of repetitions of one minimization at the scene's request (`must_minimize_again`). A state that has
-  /// to be minimized again then is no equilibrium of the scene.
-  static constexpr int max_repeats = 10;
-
   /// `after_leaving`: whether an unstable equilibrium was just left, so that the state may be far from equilibrium.
   bool minimize(bool after_leaving) {
     // The minimizer bills nothing here: the terms and the factorization write to the ledger themselves.
@@ -234,7 +233,7 @@ class EquilibriumPath {
       }
       termination_ = PathTermination::converged;
       if (scene_.must_minimize_again(std::as_const(result_))) {
-        if (repeats++ < max_repeats) continue;
+        if (repeats++ < options_.max_repeats) continue;
         termination_ = PathTermination::iteration_limit;
         return false;
       }
