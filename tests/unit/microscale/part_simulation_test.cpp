@@ -173,6 +173,17 @@ TEST(PartSimulation, SupportForcesBalanceAndAreTheDerivativeOfTheEnergy) {
   }
 }
 
+TEST(PartSimulation, AStripThatIsStretchedAndShearedHasTheForceOfAnotherProgram) {
+  const PartSimulationResult result = simulate_part(
+      block(1, 4, 3, 12), {clamp({-1, -1}, {2, 0.01}), clamp({-1, 3.99}, {2, 5}, {0.8, 0.4})}, with_states(1));
+  ASSERT_EQ(result.states.size(), 1U) << result.message;
+  // These numbers are those of a program for the same triangles in Python, with dense element matrices, Newton's method
+  // without line search, and sparse LU.
+  EXPECT_NEAR(result.states[0].supports[1].force.x(), 0.8908878845288088, 1e-7);
+  EXPECT_NEAR(result.states[0].supports[1].force.y(), 3.495360503556722, 1e-7);
+  EXPECT_NEAR(result.states[0].energy, 1.0028937175461976, 1e-9);
+}
+
 TEST(PartSimulation, RigidMotionsCostNoEnergy) {
   const PartSimulationResult result =
       simulate_part(block(1, 2, 2, 4), {clamp({-1, -1}, {2, 0.01}, {0.5, 0.3}), clamp({-1, 1.99}, {2, 5}, {0.5, 0.3})},

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "elastic_energy.h"
 #include "supple/microscale/simulation.h"
@@ -59,6 +60,25 @@ TEST(RotationRetraction, TheStrainChangesExactlyByTheSteps) {
   const Eigen::VectorXd moved = RotationRetraction(mesh).retract(Eigen::VectorXd::Zero(step.size()), step);
   EXPECT_EQ(moved.tail<4>(), step.tail<4>());
   EXPECT_EQ(moved.head<2>(), step.head<2>()) << "the node that is held moved";
+}
+
+TEST(RotationRetraction, DisplacementsThatAreFixedMoveByTheirOwnStepsAlone) {
+  const tiling::PeriodicMesh mesh = beam();
+  const Eigen::VectorXd step = wave(mesh, 0.4);
+  std::vector<bool> fixed(static_cast<std::size_t>(2 * mesh.nodes.cols()), false);
+  for (const std::size_t dof : {0U, 1U, 9U, 24U}) fixed[dof] = true;
+  RotationRetraction retraction(mesh, fixed);
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(step.size());
+  const Eigen::VectorXd moved = retraction.retract(rest, step);
+  EXPECT_GT((moved - step).norm(), 1e-2 * step.norm());
+  for (const Eigen::Index dof : {0, 1, 9, 24}) EXPECT_EQ(moved[dof], step[dof]);
+
+  fixed[24] = false;
+  fixed[30] = true;
+  retraction.fix(fixed);
+  const Eigen::VectorXd other = retraction.retract(rest, step);
+  EXPECT_NE(other[24], step[24]);
+  EXPECT_EQ(other[30], step[30]);
 }
 
 TEST(RotationRetraction, APartThatTurnsKeepsItsShape) {

@@ -14,7 +14,8 @@ struct PartMeshEstimate {
   double bytes = 0;  ///< memory of mesh and simulation, most of which is the factorization of the stiffness
 };
 
-/// Estimates the mesh of a solid. It is meant as an upper bound that is rarely exceeded; O(n) for n corners.
+/// Estimates the mesh of a solid. It is meant as an upper bound that is rarely exceeded. O(n) for n points of the
+/// divided outline.
 PartMeshEstimate estimate_part_mesh(const std::vector<SolidFace>& faces, double beam_width, const MeshOptions& options);
 
 /// Meshes the solid of a part, which is not periodic, with quadratic triangles. Their sides have the length that
