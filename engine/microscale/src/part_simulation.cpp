@@ -25,7 +25,7 @@ constexpr double min_part_regularization = 1e-12;
 /// Repetitions of a minimization, in each of which nodes of plates are held or released.
 constexpr int max_repeats = 60;
 
-constexpr int max_states = 1000;
+constexpr int max_part_states = 1000;
 constexpr double max_thickness = 1000;  // mm
 
 void check(const PartSimulationOptions& options) {
@@ -41,8 +41,8 @@ void check(const PartSimulationOptions& options) {
             "must lie between -1 and 0.4999", material.poisson_ratio);
   require(options.thickness > 0 && options.thickness <= max_thickness, "thickness",
           "must be positive and at most " + number_text(max_thickness) + " mm", options.thickness);
-  require(options.states >= 1 && options.states <= max_states, "states",
-          "must lie between 1 and " + std::to_string(max_states), options.states);
+  require(options.states >= 1 && options.states <= max_part_states, "states",
+          "must lie between 1 and " + std::to_string(max_part_states), options.states);
   require(options.tolerance > 0 && options.tolerance < 1, "tolerance", "must lie between 0 and 1", options.tolerance);
   require(options.max_iterations >= 1, "max_iterations", "must be at least 1", options.max_iterations);
   require(options.max_load_step > 0, "max_load_step", "must be positive", options.max_load_step);

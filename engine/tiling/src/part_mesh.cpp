@@ -52,7 +52,7 @@ SizeField size_field(const std::vector<SolidFace>& faces, double beam_width, con
 }
 
 /// The polygon with the points that divide its sides. Sides are divided from the same end, whichever way they run.
-Polygon divided(const Polygon& polygon, const SizeField& size) {
+Polygon divided_polygon(const Polygon& polygon, const SizeField& size) {
   Polygon result;
   for (std::size_t k = 0; k < polygon.size(); ++k) {
     result.push_back(polygon[k]);
@@ -71,7 +71,7 @@ PartMeshEstimate estimate_part_mesh(const std::vector<SolidFace>& faces, double 
   for (const SolidFace& face : faces)
     for (const Polygon& polygon : face) {
       solid_area += area(polygon);
-      outline_nodes += static_cast<double>(divided(polygon, size).size());
+      outline_nodes += static_cast<double>(divided_polygon(polygon, size).size());
     }
   PartMeshEstimate estimate;
   estimate.nodes = area_factor * size.expected_nodes(solid_area, 0) +
@@ -92,7 +92,7 @@ PeriodicMesh make_part_mesh(const std::vector<SolidFace>& faces, double beam_wid
   for (const SolidFace& face : faces) {
     meshing::PlanarFace& divided_face = divided_faces.emplace_back();
     for (const Polygon& polygon : face) {
-      divided_face.push_back(divided(polygon, size));
+      divided_face.push_back(divided_polygon(polygon, size));
       outline_length += perimeter(polygon);
       for (const Eigen::Vector2d& p : polygon) {
         lower = lower.cwiseMin(p);
