@@ -24,7 +24,7 @@ struct PartEquilibrium {
 };
 
 /// The scene of a part whose supports move; see numerics::PathScene. Its unknowns are the displacements that no support
-/// holds. The macroscopic strain of the coordinates is always zero. Which displacements plates hold changes from one
+/// holds. The macroscopic strain of the coordinates is always zero. The displacements that plates hold change from one
 /// equilibrium to the next, and the system is made anew then.
 class PartScene {
  public:

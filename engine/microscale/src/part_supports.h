@@ -10,8 +10,8 @@
 
 namespace supple::microscale {
 
-/// Which displacements the supports of a part hold. Degrees of freedom are numbered as in cell_coordinates.h, without
-/// the macroscopic strain.
+/// The displacements that the supports of a part hold. Degrees of freedom are numbered as in cell_coordinates.h,
+/// without the macroscopic strain.
 struct Constraints {
   static constexpr int none = -1;
   /// The displacement is fixed so that the part does not move along its plates.

@@ -51,7 +51,7 @@ SizeField size_field(const std::vector<SolidFace>& faces, double beam_width, con
   return size;
 }
 
-/// The polygon with the points that divide its sides. Sides are divided from the same end, whichever way they run.
+/// The polygon with the points that divide its sides.
 Polygon divided_polygon(const Polygon& polygon, const SizeField& size) {
   Polygon result;
   for (std::size_t k = 0; k < polygon.size(); ++k) {
