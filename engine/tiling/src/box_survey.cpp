@@ -118,6 +118,47 @@ struct Sliver {
   }
 };
 
+/// The narrowest corner (rad), side and strait (beam widths) of one tile.
+struct Slivers {
+  Sliver corner, side, strait;
+
+  bool any() const { return corner.size < min_corner_angle || side.size < min_width || strait.size < min_width; }
+};
+
+void measure_strait(const Polygon& tile, const std::vector<std::size_t>& starts, const EdgePair& edges, double width,
+                    const std::vector<double>& sample, Sliver& strait) {
+  const auto from_points = [&](std::size_t points, std::size_t sides) {
+    for (std::size_t i = starts[points]; i <= starts[points + 1]; ++i) {
+      const Eigen::Vector2d& p = tile[i % tile.size()];
+      for (std::size_t j = starts[sides]; j < starts[sides + 1]; ++j) {
+        const Eigen::Vector2d nearest = nearest_on_segment(p, tile[j], tile[(j + 1) % tile.size()]);
+        strait.examine((p - nearest).norm() / width, edges.first, (p + nearest) / 2, sample);
+      }
+    }
+  };
+  from_points(edges.first, edges.second);
+  from_points(edges.second, edges.first);
+}
+
+Slivers slivers_at(const FamilyDefinition& definition, const std::vector<std::size_t>& starts,
+                   const std::vector<double>& sample) {
+  const Polygon tile = tiling_at(definition, sample).tiles[0];
+  const double width = definition.beam_width(sample);
+  Slivers slivers;
+  const std::size_t edges = starts.size() - 1;
+  for (std::size_t k = 0; k < edges; ++k) {
+    const std::size_t start = starts[k], end = starts[k + 1] % tile.size();
+    const Eigen::Vector2d& vertex = tile[start];
+    const Eigen::Vector2d ahead = tile[(start + 1) % tile.size()] - vertex;
+    const Eigen::Vector2d behind = tile[(start + tile.size() - 1) % tile.size()] - vertex;
+    slivers.corner.examine(std::abs(std::atan2(cross(ahead, behind), ahead.dot(behind))), k, vertex, sample);
+    slivers.side.examine((tile[end] - vertex).norm() / width, k, (tile[end] + vertex) / 2, sample);
+    for (std::size_t other = k + 2; other < edges && !(k == 0 && other + 1 == edges); ++other)
+      measure_strait(tile, starts, {k, other}, width, sample, slivers.strait);
+  }
+  return slivers;
+}
+
 class BoxSurvey {
  public:
   explicit BoxSurvey(const FamilyDefinition& definition)
@@ -188,38 +229,10 @@ class BoxSurvey {
   }
 
   void measure(const std::vector<double>& sample) {
-    const Polygon tile = tiling_at(definition_, sample).tiles[0];
-    const double width = definition_.beam_width(sample);
-    Sliver corner, side, strait;
-    const std::size_t edges = starts_.size() - 1;
-    for (std::size_t k = 0; k < edges; ++k) {
-      const std::size_t start = starts_[k], end = starts_[k + 1] % tile.size();
-      const Eigen::Vector2d& vertex = tile[start];
-      const Eigen::Vector2d ahead = tile[(start + 1) % tile.size()] - vertex;
-      const Eigen::Vector2d behind = tile[(start + tile.size() - 1) % tile.size()] - vertex;
-      corner.examine(std::abs(std::atan2(cross(ahead, behind), ahead.dot(behind))), k, vertex, sample);
-      side.examine((tile[end] - vertex).norm() / width, k, (tile[end] + vertex) / 2, sample);
-      for (std::size_t other = k + 2; other < edges && !(k == 0 && other + 1 == edges); ++other)
-        measure_strait(tile, k, other, width, sample, strait);
-    }
-    merge(corners_, corner, min_corner_angle);
-    merge(sides_, side, min_width);
-    merge(straits_, strait, min_width);
-  }
-
-  void measure_strait(const Polygon& tile, std::size_t k, std::size_t other, double width,
-                      const std::vector<double>& sample, Sliver& strait) const {
-    const auto from_points = [&](std::size_t points, std::size_t sides) {
-      for (std::size_t i = starts_[points]; i <= starts_[points + 1]; ++i) {
-        const Eigen::Vector2d& p = tile[i % tile.size()];
-        for (std::size_t j = starts_[sides]; j < starts_[sides + 1]; ++j) {
-          const Eigen::Vector2d nearest = nearest_on_segment(p, tile[j], tile[(j + 1) % tile.size()]);
-          strait.examine((p - nearest).norm() / width, k, (p + nearest) / 2, sample);
-        }
-      }
-    };
-    from_points(k, other);
-    from_points(other, k);
+    const Slivers here = slivers_at(definition_, starts_, sample);
+    merge(corners_, here.corner, min_corner_angle);
+    merge(sides_, here.side, min_width);
+    merge(straits_, here.strait, min_width);
   }
 
   static void merge(Sliver& worst, const Sliver& here, double limit) {
@@ -271,6 +284,13 @@ std::vector<std::vector<double>> box_samples(const FamilyDefinition& definition,
 
 std::vector<DefinitionFinding> survey_box(const FamilyDefinition& definition, const Execution& execution) {
   return BoxSurvey(definition).run(execution);
+}
+
+std::optional<DefinitionFlaw> flaw_at(const FamilyDefinition& definition, const std::vector<double>& parameters) {
+  if (area(tiling_at(definition, parameters).tiles[0]) <= 0 || crossing_of(definition, parameters))
+    return DefinitionFlaw::crossing;
+  if (slivers_at(definition, edge_starts(definition), parameters).any()) return DefinitionFlaw::sliver;
+  return std::nullopt;
 }
 
 std::optional<DefinitionFinding> crossing_at(const FamilyDefinition& definition,

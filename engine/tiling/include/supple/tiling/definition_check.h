@@ -52,4 +52,9 @@ struct DefinitionReport {
 /// the stages "drawing" and "survey".
 DefinitionReport check_definition(const FamilyDefinition& definition, const Execution& execution = {});
 
+/// Whether the tile crosses itself or is turned inside out at these parameters (DefinitionFlaw::crossing), or if not,
+/// has a sliver (DefinitionFlaw::sliver): a corner below 25 degrees, or a side or strait below 1.5 beam widths. The
+/// definition must have no faults near its default. Takes some microseconds, with long polylines some tens.
+std::optional<DefinitionFlaw> flaw_at(const FamilyDefinition& definition, const std::vector<double>& parameters);
+
 }  // namespace supple::tiling
