@@ -7,6 +7,9 @@
 set(share ${CMAKE_INSTALL_DATADIR}/supple)
 file(GLOB networks CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/models/*.h5)
 install(FILES ${networks} DESTINATION ${share}/models COMPONENT server)
+# What GET /v1/families/{family}/atlas answers at once.
+install(DIRECTORY models/families/atlas DESTINATION ${share}/models/families COMPONENT server OPTIONAL
+  FILES_MATCHING PATTERN "*.json")
 # npm builds it; a server without it serves no page at /.
 install(DIRECTORY clients/web/dist/ DESTINATION ${share}/web COMPONENT server OPTIONAL)
 install(FILES api/openapi.yaml api/errors.yaml DESTINATION ${share}/api COMPONENT server)

@@ -88,6 +88,7 @@ class Process {
     services_.limits = options.limits;
     services_.version = server_version();
     services_.data = options.data;
+    if (!options.models.empty()) services_.atlases = options.models + "/families/atlas";
     services_.web = options.web;
     services_.metrics = &metrics_;
     services_.memory = &memory_;

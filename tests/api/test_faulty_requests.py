@@ -14,7 +14,7 @@ from harness import Api, pointers, problem_code
 COMPUTATIONS = ["/v1/geodesics", "/v1/geodesic-fields", "/v1/karcher-means", "/v1/embedded-systems",
                 "/v1/exponential-maps", "/v1/voronoi-diagrams", "/v1/voronoi-optimizations"]
 WEAVES = ["/v1/weave-layouts", "/v1/weave-homogenizations", "/v1/weave-deformations", "/v1/weave-simulations", "/v1/weave-toolpaths", "/v1/gcode-reports"]
-ALL = [*COMPUTATIONS, "/v1/structures", "/v1/family-checks", "/v1/measured-curves", "/v1/parts", "/v1/simulations", *WEAVES]
+ALL = [*COMPUTATIONS, "/v1/structures", "/v1/family-checks", "/v1/family-atlases", "/v1/measured-curves", "/v1/parts", "/v1/simulations", *WEAVES]
 JSON = {"Content-Type": "application/json"}
 CORNER = {"vertex": 0}
 
@@ -31,6 +31,7 @@ def minimal(path: str, mesh: str) -> Dict[str, Any]:
         "/v1/voronoi-optimizations": {"mesh": mesh, "sites": [CORNER, {"vertex": 1}], "objectives": {"centroidal": 1}},
         "/v1/structures": {"family": "IH01"},
         "/v1/family-checks": {"definition": {"id": "hexagons", "description": "Regular hexagons", "parameters": [], "beam_width": 0.1, "isohedral_type": 20}},
+        "/v1/family-atlases": {"family": "IH50", "samples": 1, "error_samples": 0},
         "/v1/measured-curves": {"points": [[0, 0], [0.1, 1]]},
         "/v1/parts": {"outline": {"rectangle": [5, 5]}, "structure": {"family": "IH01"}},
         "/v1/weave-layouts": {"weave": {"pattern": "regular"}},

@@ -10,25 +10,6 @@
 namespace supple::json {
 namespace {
 
-void write_findings(JsonWriter& out, std::string_view name, const std::vector<tiling::DefinitionFinding>& findings) {
-  out.key(name).begin_array();
-  for (const auto& finding : findings) {
-    out.begin_object()
-        .field("flaw", flaw_names.name_of(finding.flaw))
-        .field("pointer", "/definition/" + finding.where)
-        .field("message", finding.message)
-        .key("parameters")
-        .numbers(finding.parameters)
-        .key("point");
-    if (finding.point)
-      out.numbers(*finding.point);
-    else
-      out.null();
-    out.end_object();
-  }
-  out.end_array();
-}
-
 void write_drawing(JsonWriter& out, const DrawnTiling& drawn) {
   const tiling::Tiling& tiling = drawn.tiling;
   out.begin_object().key("parameters").numbers(drawn.parameters).field("beam_width", drawn.beam_width);
@@ -48,6 +29,25 @@ void write_drawing(JsonWriter& out, const DrawnTiling& drawn) {
 }
 
 }  // namespace
+
+void write_findings(JsonWriter& out, std::string_view name, const std::vector<tiling::DefinitionFinding>& findings) {
+  out.key(name).begin_array();
+  for (const auto& finding : findings) {
+    out.begin_object()
+        .field("flaw", flaw_names.name_of(finding.flaw))
+        .field("pointer", "/definition/" + finding.where)
+        .field("message", finding.message)
+        .key("parameters")
+        .numbers(finding.parameters)
+        .key("point");
+    if (finding.point)
+      out.numbers(*finding.point);
+    else
+      out.null();
+    out.end_object();
+  }
+  out.end_array();
+}
 
 FamilyCheckRequest parse_family_check(std::string_view body, const Limits& limits,
                                       const CancellationToken& cancellation) {

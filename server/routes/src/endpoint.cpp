@@ -76,7 +76,9 @@ class EndpointHandler {
     require_ready(services_);
     const auto begin = Clock::now();
     const auto format = negotiate_format(endpoint_, request);
-    require_json(request);
+    require_body(request);
+    if (endpoint_.ready_answer)
+      if (auto answer = endpoint_.ready_answer(request)) return std::move(*answer);
     const auto preference = http::parse_preference(request.header("Prefer"), services_.limits.max_wait);
     const bool becomes_job = preference.respond_async || preference.wait;
     auto computation = computation_of(request, prepare(request, endpoint_request(request, format, becomes_job), begin));
@@ -92,12 +94,16 @@ class EndpointHandler {
 
   /// The computation of a stored job, on a thread that computes.
   jobs::Computation repeat(const http::Request& request, const Execution& execution) const {
-    require_json(request);
+    require_body(request);
     const auto asked = endpoint_request(request, negotiate_format(endpoint_, request), true);
     return computation_of(request, endpoint_.prepare(asked, Loader(services_, request, execution)));
   }
 
  private:
+  void require_body(const http::Request& request) const {
+    if (endpoint_.method == "POST") require_json(request);
+  }
+
   PreparedComputation prepare(const http::Request& request, const EndpointRequest& asked,
                               Clock::time_point begin) const {
     if (request.body.size() <= max_bytes_at_once) return endpoint_.prepare(asked, Loader(services_, request, begin));
@@ -153,7 +159,8 @@ class EndpointHandler {
 
 void add_endpoint(http::Router& router, Services& services, Endpoint endpoint) {
   auto path = endpoint.path.empty() ? "/v1/" + endpoint.kind : endpoint.path;
-  router.add({"POST",
+  auto method = endpoint.method;
+  router.add({std::move(method),
               std::move(path),
               EndpointHandler(services, std::move(endpoint)),
               {services.limits.max_json, "--max-json"}});

@@ -20,6 +20,7 @@ void add_voronoi_routes(http::Router& router, Services& services);
 void add_exponential_map_route(http::Router& router, Services& services);
 void add_structure_routes(http::Router& router, Services& services);
 void add_family_check_routes(http::Router& router, Services& services);
+void add_family_atlas_routes(http::Router& router, Services& services);
 void add_simulation_route(http::Router& router, Services& services);
 void add_design_routes(http::Router& router, Services& services);
 void add_part_route(http::Router& router, Services& services);

@@ -32,8 +32,9 @@ struct RouteLimits {
 struct Services {
   RouteLimits limits;
   std::string version;
-  std::string data;  ///< data folder
-  std::string web;   ///< folder of the built web editor; empty: none
+  std::string data;     ///< data folder
+  std::string atlases;  ///< folder of the atlases that are shipped; empty or not there: none
+  std::string web;      ///< folder of the built web editor; empty: none
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   metrics::Metrics* metrics = nullptr;
   store::Store* store = nullptr;

@@ -1,0 +1,153 @@
+#include <charconv>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "endpoint.h"
+#include "handlers.h"
+#include "kept_atlases.h"
+#include "request_pointers.h"
+#include "results.h"
+#include "supple/json/family_atlases.h"
+#include "supple/tiling/tiling_error.h"
+
+namespace supple::routes {
+namespace {
+
+/// What an atlas is of, and under which name it is kept; an empty name is kept nowhere.
+struct AtlasSubject {
+  tiling::Family family;
+  std::string kept_as;
+};
+
+AtlasSubject subject_of_family(const std::string& id) { return {tiling::family(id), id}; }
+
+/// Throws "http.not_found" for a number that no type has.
+AtlasSubject subject_of_type(int number) {
+  const auto* type = tiling::find_isohedral_type(number);
+  if (!type) throw Error("http.not_found", "There is no isohedral type of this number.");
+  return {tiling::make_family(design::atlas_definition(*type)), "type-" + std::to_string(number)};
+}
+
+std::string answer(KeptAtlases& kept, const json::AtlasRecord& record, bool is_kept) {
+  const auto others = kept.of_families();
+  std::vector<const design::FamilyAtlas*> atlases;
+  json::ComparedAtlas compared;
+  for (const auto& other : others) {
+    if (other->atlas.family == record.atlas.family) continue;
+    atlases.push_back(&other->atlas);
+    compared.families.push_back(other->atlas.family);
+  }
+  auto comparison = design::compare(record.atlas, atlases);
+  if (comparison) compared.comparison = std::move(*comparison);
+  return json::write_family_atlas(record, comparison ? &compared : nullptr, is_kept);
+}
+
+store::Result compute(KeptAtlases& kept, const AtlasSubject& subject, const design::AtlasOptions& options,
+                      const std::string& base, const Execution& outer) {
+  design::FamilyAtlas atlas;
+  const auto bill = billed(outer, [&](const Execution& execution) {
+    atlas =
+        with_pointers<Error>(PointerMap(base), [&] { return design::make_atlas(subject.family, options, execution); });
+    execution.checkpoint(1, "");
+  });
+  const bool is_whole = atlas.stopped == StopReason::none;
+  auto record = std::make_shared<const json::AtlasRecord>(
+      json::make_atlas_record(std::move(atlas), subject.family.definition, bill));
+  if (is_whole && !subject.kept_as.empty()) kept.keep(subject.kept_as, record);
+  return json_result(answer(kept, *record, false));
+}
+
+/// Options without which an atlas is computed: those of the contract.
+design::AtlasOptions default_options(const json::Limits& limits, bool is_served) {
+  design::AtlasOptions options;
+  options.max_nodes = limits.max_mesh_nodes;
+  options.crossings = is_served;
+  return options;
+}
+
+/// Whether an atlas with these options may take the place of the one that is kept.
+bool may_be_kept(const design::AtlasOptions& options, const design::AtlasOptions& defaults) {
+  return options.samples >= defaults.samples && options.mesh_size <= defaults.mesh_size &&
+         options.error_samples >= defaults.error_samples && options.crossings == defaults.crossings;
+}
+
+bool is_default(const design::AtlasOptions& options, const design::AtlasOptions& defaults) {
+  return options.samples == defaults.samples && options.mesh_size == defaults.mesh_size &&
+         options.error_samples == defaults.error_samples && options.crossings == defaults.crossings;
+}
+
+AtlasSubject subject_of(const json::FamilyAtlasRequest& request) {
+  if (request.definition) return {tiling::make_family(*request.definition), ""};
+  if (request.isohedral_type != 0) return subject_of_type(request.isohedral_type);
+  return fault_of_field<tiling::FamilyNotFound>("/family", [&] { return subject_of_family(request.family); });
+}
+
+PreparedComputation prepare_atlas(const std::shared_ptr<KeptAtlases>& kept, const EndpointRequest& asked,
+                                  const Loader& loader) {
+  const auto request = json::parse_family_atlas_request(asked.body, loader.limits(), loader.cancellation());
+  auto subject = subject_of(request);
+  const auto defaults = default_options(loader.limits(), !request.family.empty());
+  if (!subject.kept_as.empty() && !request.recompute && is_default(request.options, defaults)) {
+    if (const auto record = kept->find(subject.kept_as, subject.family.definition)) {
+      return {.deadline = request.deadline, .run = [kept, record](const Execution& /*execution*/) {
+                return json_result(answer(*kept, *record, true));
+              }};
+    }
+  }
+  if (!may_be_kept(request.options, defaults)) subject.kept_as.clear();
+  const std::string base = request.definition ? "/definition" : "";
+  return {.deadline = request.deadline,
+          .run = [kept, subject = std::move(subject), options = request.options, base](const Execution& execution) {
+            return compute(*kept, subject, options, base, execution);
+          }};
+}
+
+using SubjectOfPath = AtlasSubject (*)(const std::map<std::string, std::string>&);
+
+AtlasSubject family_in_path(const std::map<std::string, std::string>& path) {
+  return subject_of_family(path.at("family"));
+}
+
+AtlasSubject type_in_path(const std::map<std::string, std::string>& path) {
+  const std::string& text = path.at("type");
+  int number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return subject_of_type(error == std::errc() && end == text.data() + text.size() ? number : 0);
+}
+
+void add_kept_endpoint(http::Router& router, Services& services, const std::shared_ptr<KeptAtlases>& kept,
+                       std::string path, SubjectOfPath subject_of_path) {
+  Endpoint endpoint{.method = "GET", .path = std::move(path), .kind = "family-atlases"};
+  endpoint.ready_answer = [kept, subject_of_path](const http::Request& request) -> std::optional<http::Response> {
+    const auto subject = subject_of_path(request.path_parameters);
+    const auto record = kept->find(subject.kept_as, subject.family.definition);
+    if (!record) return std::nullopt;
+    return json_response(answer(*kept, *record, true));
+  };
+  endpoint.prepare = [kept, subject_of_path](const EndpointRequest& asked, const Loader& loader) {
+    auto subject = subject_of_path(asked.path_parameters);
+    const bool is_served = subject_of_path == family_in_path;
+    return PreparedComputation{
+        .deadline = loader.limits().default_deadline,
+        .run = [kept, subject = std::move(subject), options = default_options(loader.limits(), is_served)](
+                   const Execution& execution) { return compute(*kept, subject, options, "", execution); }};
+  };
+  add_endpoint(router, services, std::move(endpoint));
+}
+
+}  // namespace
+
+void add_family_atlas_routes(http::Router& router, Services& services) {
+  const std::filesystem::path data = services.data;
+  const auto kept = std::make_shared<KeptAtlases>(services.atlases, data / "atlases");
+  add_kept_endpoint(router, services, kept, "/v1/families/{family}/atlas", family_in_path);
+  add_kept_endpoint(router, services, kept, "/v1/isohedral-types/{type}/atlas", type_in_path);
+  add_endpoint(router, services,
+               {.kind = "family-atlases", .prepare = [kept](const EndpointRequest& asked, const Loader& loader) {
+                  return prepare_atlas(kept, asked, loader);
+                }});
+}
+
+}  // namespace supple::routes

@@ -1,0 +1,136 @@
+"""Atlases over HTTP: what a family can do at rest, kept once it is computed, stopped as other long work is."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from pathlib import Path
+from typing import Any, Callable, Dict
+
+import numpy as np
+import pytest
+
+import supple
+from harness import CLI, Api, ServerProcess, pointers, problem_code
+
+ATLASES = "/v1/family-atlases"
+
+
+def rectangles(lower: float, upper: float, name: str = "rectangles") -> Dict[str, Any]:
+    """Rectangles of width 1 and height 0.6 whose beams are as wide as the parameter says."""
+    return {"id": name, "description": "Rectangles", "beam_width": [0, 1],
+            "parameters": [{"description": "Width of the beams", "lower": lower, "upper": upper, "default": lower}],
+            "tile": {"vertices": [[0, 0], [1, 0], [1, 0.6], [0, 0.6]], "translations": [[1, 0], [0, 0.6]],
+                     "placements": [{"linear": [1, 0, 0, 1], "offset": [0, 0]}]}}
+
+
+def test_an_atlas_has_samples_profiles_and_its_mesh_error(api: Api) -> None:
+    atlas = api.ok(ATLASES, {"definition": rectangles(0.1, 0.2), "samples": 6, "error_samples": 2})
+    assert len(atlas["samples"]) == sum(atlas["places"].values()) == 6
+    assert atlas["samples"][0]["parameters"] == [0.1] and not atlas["kept"] and atlas["stopped"] == "none"
+    assert 0 < atlas["mesh_error"]["median"] <= atlas["mesh_error"]["largest"] < 0.1 and atlas["mesh_error"]["samples"] == 2
+    for sample in atlas["samples"]:
+        compliance = np.array(sample["compliance"])
+        np.testing.assert_allclose(compliance, compliance.T, rtol=1e-6, atol=1e-9)
+        assert np.all(np.linalg.eigvalsh(compliance) > 0)
+        # Along the beams the stiffness is that of beams that stretch; the lower one is across the diagonals.
+        assert sample["stiffness"][0] <= 1 / compliance[0, 0] * (1 + 1e-9) <= sample["stiffness"][1] * (1 + 2e-9)
+    for profile in atlas["profiles"]:
+        assert profile["deviation"] >= 0 and profile["sample"] < 6
+    effects = {effect["name"]: effect for effect in atlas["effects"]}
+    assert effects["second_mesh"]["ran"] and effects["second_mesh"]["count"] == 2
+    assert not effects["crossings"]["ran"] and "left out" in effects["crossings"]["why"]
+
+
+def test_a_hole_that_closes_within_the_bounds_is_located(api: Api) -> None:
+    atlas = api.ok(ATLASES, {"definition": rectangles(0.3, 0.9), "samples": 12, "error_samples": 0})
+    for sample in atlas["samples"]:
+        assert (sample["place"] == "closed") == (sample["parameters"][0] >= 0.6)
+        assert (sample["compliance"] is None) == (sample["place"] == "closed")
+    assert atlas["mesh_error"] is None and 0 < atlas["places"]["closed"] < 12
+
+
+def test_a_type_without_parameters_has_its_beam_width_as_parameter(api: Api) -> None:
+    atlas = api.ok(ATLASES, {"isohedral_type": 76, "samples": 4, "error_samples": 0})
+    assert atlas["family"] == "type-76" and atlas["parameters"]["lower"] == [0.05]
+    assert atlas["definition"]["isohedral_type"] == 76
+    assert atlas["samples"][1]["relative_density"] != atlas["samples"][0]["relative_density"]
+
+
+def test_a_crossing_within_the_bounds_is_located_and_left_out(api: Api) -> None:
+    atlas = api.ok(ATLASES, {"isohedral_type": 21, "samples": 24, "error_samples": 0})
+    assert atlas["places"]["crossing"] > 0 and atlas["good_fraction"] < 1
+    assert all(sample["compliance"] is None for sample in atlas["samples"] if sample["place"] == "crossing")
+    crossing = next(one for one in atlas["warnings"] if one["flaw"] == "crossing")
+    assert len(crossing["parameters"]) == len(atlas["parameters"]["lower"])
+
+
+def test_what_was_computed_is_kept_and_compared_with(new_server: Callable[..., ServerProcess], contract: Any) -> None:
+    # Without shipped models and atlases, so that the server has those that this test computes.
+    with_nothing = new_server()
+    api = Api(with_nothing, contract)
+    whole = {"samples": 256, "error_samples": 8}
+    first = api.ok(ATLASES, {"family": "square", **whole})
+    assert not first["kept"] and first["definition"] is None and first["comparison"] is None
+    again = api.get("/v1/families/square/atlas").json()
+    assert again["kept"] and again["samples"] == first["samples"]
+    assert api.ok(ATLASES, {"family": "square"})["kept"]
+    other = api.ok(ATLASES, {"definition": rectangles(0.1, 0.2), "samples": 4, "error_samples": 0})
+    assert other["comparison"]["families"] == ["square"] and other["comparison"]["same_as"] is None
+    assert all(profile["others"]["family"] == "square" for profile in other["profiles"])
+    with_nothing.terminate()
+    with_nothing.start()
+    assert api.get("/v1/families/square/atlas").json()["samples"] == first["samples"]
+
+
+def test_a_deadline_answers_with_what_was_done(api: Api) -> None:
+    atlas = api.ok(ATLASES, {"family": "IH50", "samples": 4096, "deadline": 3, "recompute": True})
+    assert atlas["stopped"] == "deadline" and 0 < len(atlas["samples"]) < 4096 and atlas["profiles"]
+
+
+def test_an_atlas_is_a_job_with_progress_that_can_be_cancelled(api: Api) -> None:
+    response = api.post(ATLASES, {"family": "IH50", "samples": 4096}, headers={"Prefer": "respond-async"})
+    assert response.status_code == 202
+    job = response.headers["Location"]
+    assert api.get(job).json()["kind"] == "family-atlases"
+    api.delete(job)
+    assert api.wait_for_job(job.rsplit("/", 1)[1])["state"] == "dismissed"
+
+
+@pytest.mark.parametrize("document, where", [
+    ({}, "/family"),
+    ({"family": "IH21", "isohedral_type": 21}, ""),
+    ({"isohedral_type": 19}, "/isohedral_type"),
+    ({"family": "IH21", "samples": 0}, "/samples"),
+    ({"family": "IH21", "samples": 4, "error_samples": 5}, "/error_samples"),
+    ({"family": "IH21", "mesh_size": 3}, "/mesh_size"),
+])
+def test_faults_of_the_request_are_pointed_to(api: Api, document: Dict[str, Any], where: str) -> None:
+    response = api.post(ATLASES, document)
+    assert (response.status_code, problem_code(response)) == (400, "request.invalid")
+    assert where in pointers(response)
+
+
+def test_a_definition_with_faults_and_unknown_families_are_refused(api: Api) -> None:
+    gap = rectangles(0.1, 0.2)
+    gap["tile"]["translations"] = [[1.2, 0], [0, 0.6]]
+    response = api.post(ATLASES, {"definition": gap})
+    assert (response.status_code, problem_code(response)) == (422, "atlas.faulty_definition")
+    assert pointers(response)[0].startswith("/definition/tile")
+    assert api.post(ATLASES, {"family": "IH02"}).status_code == 404
+    assert api.get("/v1/families/IH02/atlas").status_code == 404
+    assert api.get("/v1/isohedral-types/19/atlas").status_code == 404
+    assert api.get("/v1/isohedral-types/x/atlas").status_code == 404
+
+
+def test_the_python_client_and_the_command_line_print_and_write_it(api: Api, tmp_path: Path) -> None:
+    with supple.Client(api.server.url) as client:
+        atlas = client.family_atlas(definition=rectangles(0.1, 0.2), samples=4, error_samples=1)
+        assert atlas.samples[0].compliance is not None and atlas.samples[0].compliance.shape == (3, 3)
+        assert atlas.places["closed"] == 0 and atlas.mesh_error is not None and atlas.profiles[0].name == "poisson_-0.9"
+    (tmp_path / "own.json").write_text(json.dumps(rectangles(0.1, 0.2)))
+    done = subprocess.run([str(CLI), "--server", api.server.url, "families", "atlas", str(tmp_path / "own.json"), "--samples", "4",
+                           "--error-samples", "1", "--output", str(tmp_path / "atlas.json")], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    assert "rectangles, 4 samples" in done.stdout and "poisson_0.3" in done.stdout
+    assert len(json.loads((tmp_path / "atlas.json").read_text())["samples"]) == 4
