@@ -6,6 +6,7 @@
 
 #include "commands.h"
 #include "failure.h"
+#include "family_atlas_command.h"
 
 namespace supple::cli {
 namespace {
@@ -75,8 +76,14 @@ void add_family_command(CLI::App& program, const GlobalOptions& options) {
   CLI::App* command = program.add_subcommand("families", "List the families of tilings, or describe one");
   CLI::Option* described = command->add_option("family", *family, "Family to describe");
   command->add_option("--check", *file, "File with a definition of a family to check")->excludes(described);
-  command->footer("Examples:\n  supple families\n  supple families IH21\n  supple families --check family.json");
-  command->callback([&options, family, file] { file->empty() ? run(options, *family) : check(options, *file); });
+  command->footer(
+      "Examples:\n  supple families\n  supple families IH21\n  supple families --check family.json\n"
+      "  supple families atlas IH21");
+  CLI::App* atlas = add_family_atlas_command(*command, options);
+  command->callback([&options, family, file, atlas] {
+    if (atlas->parsed()) return;
+    file->empty() ? run(options, *family) : check(options, *file);
+  });
 }
 
 }  // namespace supple::cli

@@ -92,7 +92,19 @@ from .errors import (
     Superseded,
     SuppleError,
 )
-from .families import FamilyCheck, FamilyCheckRequest, FamilyFinding, FamilyTiling
+from .families import (
+    AtlasComparison,
+    AtlasMeshError,
+    AtlasNearest,
+    AtlasProfile,
+    AtlasSample,
+    FamilyAtlas,
+    FamilyAtlasRequest,
+    FamilyCheck,
+    FamilyCheckRequest,
+    FamilyFinding,
+    FamilyTiling,
+)
 from .geodesics import ExponentialMapRequest, FieldRequest, GeodesicsRequest, KarcherMeanRequest
 from .hosts import Host, Moving, Shell, Solid, SolidRegion
 from .jobs import Job, JobStatus
@@ -183,11 +195,11 @@ from .weaves import (
 __version__ = "0.1.0"
 
 __all__ = [
-    "AccessDenied", "AdjacentFaces", "BeamWidthSensitivity", "Biaxial", "CellMesh", "Client", "ConnectionFailed", "Cost", "Crossing",
+    "AccessDenied", "AdjacentFaces", "AtlasComparison", "AtlasMeshError", "AtlasNearest", "AtlasProfile", "AtlasSample", "BeamWidthSensitivity", "Biaxial", "CellMesh", "Client", "ConnectionFailed", "Cost", "Crossing",
     "CrossingMember", "CurveNote", "DeadlineExceeded", "DeformedCell", "DeformedPatch", "Design", "DesignCandidate",
     "DesignError", "DesignOptions", "DesignProfile", "DesignRequest", "DesignResult", "DiscretizationError", "Drawing",
     "DrawingRequest", "DrawnPolygon", "Effect", "ErrorStatistics", "Evaluation", "EvaluationRequest", "ExponentialMap",
-    "ExponentialMapRequest", "Family", "FamilyCheck", "FamilyCheckRequest", "FamilyFinding", "FamilyTiling", "Fault", "Field", "FieldRequest", "FitRange", "FollowedStop", "Force", "FoundChannel",
+    "ExponentialMapRequest", "Family", "FamilyAtlas", "FamilyAtlasRequest", "FamilyCheck", "FamilyCheckRequest", "FamilyFinding", "FamilyTiling", "Fault", "Field", "FieldRequest", "FitRange", "FollowedStop", "Force", "FoundChannel",
     "GcodeReport", "GcodeReportRequest", "Geodesic", "GeodesicsRequest", "Gradient", "GreenStrain", "Grip", "HeldPlace",
     "Hessian", "Host", "HostState", "InvalidDesign", "InvalidHost", "InvalidMesh", "InvalidNetwork", "InvalidPoint",
     "InvalidRequest", "InvalidStructure", "InvalidVoronoi", "InvalidWeave", "Job", "JobCancelled", "JobStatus",

@@ -16,7 +16,7 @@ from .conversion import arrays_of
 from .designs import DesignRequest, ProfileRequest, RegionsRequest
 from .drawings import DrawingRequest
 from .errors import ConnectionFailed, RequestTimeout, ServerBusy
-from .families import FamilyCheckRequest
+from .families import FamilyAtlasRequest, FamilyCheckRequest
 from .jobs import Job, JobStatus
 from .mesh import Mesh
 from .models import Model, ModelInfo
@@ -174,6 +174,8 @@ class Client(Connection):
         return Model(self._transport, decode(ModelInfo, self._get("/v1/models", model_id)))
 
     check_family = runs(FamilyCheckRequest)
+    family_atlas = runs(FamilyAtlasRequest)
+    start_family_atlas = submits(FamilyAtlasRequest)
     structure = runs(StructureRequest)
     structure_file = runs(StructureFileRequest)
     simulate = runs(SimulationRequest)

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <CLI/App.hpp>
+
+#include "session.h"
+
+namespace supple::cli {
+
+/// Adds `families atlas` to the command `families`.
+CLI::App* add_family_atlas_command(CLI::App& families, const GlobalOptions& options);
+
+}  // namespace supple::cli
