@@ -69,7 +69,9 @@ EndpointRequest endpoint_request(const http::Request& request, std::string_view 
 /// The handler of an endpoint's route. It is a class so that a route's endpoint can be found in its handler.
 class EndpointHandler {
  public:
-  EndpointHandler(Services& services, Endpoint endpoint) : services_(services), endpoint_(std::move(endpoint)) {}
+  /// `ready_answer` is that of a GET endpoint; empty for those that clients POST to.
+  EndpointHandler(Services& services, Endpoint endpoint, ReadyAnswer ready_answer = {})
+      : services_(services), endpoint_(std::move(endpoint)), ready_answer_(std::move(ready_answer)) {}
 
   /// Answers as the header Prefer asks for: immediately, or with 202 and a job.
   http::Response operator()(const http::Request& request) const {
@@ -77,8 +79,8 @@ class EndpointHandler {
     const auto begin = Clock::now();
     const auto format = negotiate_format(endpoint_, request);
     require_body(request);
-    if (endpoint_.ready_answer)
-      if (auto answer = endpoint_.ready_answer(request)) return std::move(*answer);
+    if (ready_answer_)
+      if (auto answer = ready_answer_(request)) return std::move(*answer);
     const auto preference = http::parse_preference(request.header("Prefer"), services_.limits.max_wait);
     const bool becomes_job = preference.respond_async || preference.wait;
     auto computation = computation_of(request, prepare(request, endpoint_request(request, format, becomes_job), begin));
@@ -101,7 +103,7 @@ class EndpointHandler {
 
  private:
   void require_body(const http::Request& request) const {
-    if (endpoint_.method == "POST") require_json(request);
+    if (!ready_answer_) require_json(request);
   }
 
   PreparedComputation prepare(const http::Request& request, const EndpointRequest& asked,
@@ -153,17 +155,22 @@ class EndpointHandler {
 
   Services& services_;
   const Endpoint endpoint_;
+  const ReadyAnswer ready_answer_;
 };
 
 }  // namespace
 
 void add_endpoint(http::Router& router, Services& services, Endpoint endpoint) {
   auto path = endpoint.path.empty() ? "/v1/" + endpoint.kind : endpoint.path;
-  auto method = endpoint.method;
-  router.add({std::move(method),
+  router.add({"POST",
               std::move(path),
               EndpointHandler(services, std::move(endpoint)),
               {services.limits.max_json, "--max-json"}});
+}
+
+void add_get_endpoint(http::Router& router, Services& services, Endpoint endpoint, ReadyAnswer ready_answer) {
+  auto path = endpoint.path;
+  router.add({"GET", std::move(path), EndpointHandler(services, std::move(endpoint), std::move(ready_answer)), {}});
 }
 
 jobs::Computation computation_of(const http::Router& router, const store::JobRecord& job, store::StoredRequest stored,

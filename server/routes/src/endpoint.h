@@ -32,23 +32,27 @@ struct PreparedComputation {
   std::function<store::Result(const Execution&)> run{};
 };
 
-/// A path to which clients POST a request as JSON, or from which they GET what is computed if it is not there, and
-/// which computes. Answers and the repetition of a job after a restart both get their computation from `prepare`.
+/// A path to which clients POST a request as JSON, and which computes. Answers and the repetition of a job after a
+/// restart both get their computation from `prepare`.
 struct Endpoint {
-  std::string method{"POST"};  ///< or "GET", whose requests have no body
-  std::string path{};          ///< pattern, as in http::Route; empty: "/v1/" and the kind
-  std::string kind{};          ///< kind of its jobs: "karcher-means"
+  std::string path{};   ///< pattern, as in http::Route; empty: "/v1/" and the kind
+  std::string kind{};   ///< kind of its jobs: "karcher-means"
   std::string sends{};  ///< what its answer is, for the problem that no format is acceptable: "A field is sent as"
   /// Media types of the answer. The first one is that of a request without the header Accept; if there is no other one,
   /// the header does not count.
   std::vector<std::string_view> formats{"application/json"};
   /// Parses and validates. Throws what the client is told, and the error of a stop request.
   std::function<PreparedComputation(const EndpointRequest&, const Loader&)> prepare{};
-  /// The answer to a request for which nothing has to be computed; none if something has. Empty: each one computes.
-  std::function<std::optional<http::Response>(const http::Request&)> ready_answer{};
 };
 
 void add_endpoint(http::Router& router, Services& services, Endpoint endpoint);
+
+/// The answer to a request for which nothing has to be computed; none if something has.
+using ReadyAnswer = std::function<std::optional<http::Response>(const http::Request&)>;
+
+/// The same for a path from which clients GET what may be there already. What is not there is computed like the answer
+/// to a POST without a body.
+void add_get_endpoint(http::Router& router, Services& services, Endpoint endpoint, ReadyAnswer ready_answer);
 
 /// The media types of answers that are JSON or one of these files; entries of `files` have a `media_type`.
 template <class Files>

@@ -119,8 +119,8 @@ AtlasSubject type_in_path(const std::map<std::string, std::string>& path) {
 
 void add_kept_endpoint(http::Router& router, Services& services, const std::shared_ptr<KeptAtlases>& kept,
                        std::string path, SubjectOfPath subject_of_path) {
-  Endpoint endpoint{.method = "GET", .path = std::move(path), .kind = "family-atlases"};
-  endpoint.ready_answer = [kept, subject_of_path](const http::Request& request) -> std::optional<http::Response> {
+  Endpoint endpoint{.path = std::move(path), .kind = "family-atlases"};
+  ReadyAnswer ready = [kept, subject_of_path](const http::Request& request) -> std::optional<http::Response> {
     const auto subject = subject_of_path(request.path_parameters);
     const auto record = kept->find(subject.kept_as, subject.family.definition);
     if (!record) return std::nullopt;
@@ -134,7 +134,7 @@ void add_kept_endpoint(http::Router& router, Services& services, const std::shar
         .run = [kept, subject = std::move(subject), options = default_options(loader.limits(), is_served)](
                    const Execution& execution) { return compute(*kept, subject, options, "", execution); }};
   };
-  add_endpoint(router, services, std::move(endpoint));
+  add_get_endpoint(router, services, std::move(endpoint), std::move(ready));
 }
 
 }  // namespace

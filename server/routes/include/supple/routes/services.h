@@ -32,9 +32,8 @@ struct RouteLimits {
 struct Services {
   RouteLimits limits;
   std::string version;
-  std::string data;     ///< data folder
-  std::string atlases;  ///< folder of the atlases that are shipped; empty or not there: none
-  std::string web;      ///< folder of the built web editor; empty: none
+  std::string data;  ///< data folder
+  std::string web;   ///< folder of the built web editor; empty: none
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   metrics::Metrics* metrics = nullptr;
   store::Store* store = nullptr;
@@ -48,6 +47,7 @@ struct Services {
   std::function<http::Load()> load;
   budget::MemoryBudget* memory = nullptr;
   access::Gate* gate = nullptr;  ///< knows the keys; null: nobody needs one
+  std::string atlases;           ///< folder of the atlases that are shipped; empty or missing: none
 };
 
 }  // namespace supple::routes
