@@ -12,9 +12,13 @@ import numpy as np
 import pytest
 
 import supple
-from harness import CLI, ROOT, Api, ServerProcess, pointers, problem_code
+from harness import CLI, ROOT, Api, ServerProcess, keys_command, pointers, problem_code
 
 ATLASES = "/v1/family-atlases"
+
+
+def added_key(data: Path, scopes: str) -> str:
+    return keys_command(data, "add", "--name", scopes.replace(",", "-"), "--scopes", scopes)
 
 
 def rectangles(lower: float, upper: float, name: str = "rectangles") -> Dict[str, Any]:
@@ -95,6 +99,19 @@ def test_the_shipped_atlases_hold_for_the_families_as_they_are(new_server: Calla
         atlas = api.get(f"/v1/families/{name}/atlas").json()
         assert atlas["kept"] and atlas["family"] == name and len(atlas["samples"]) == 256
         assert len(atlas["profiles"]) == 18 and set(atlas["comparison"]["families"]) == names - {name}
+
+
+def test_a_key_that_may_only_read_starts_no_computation(tmp_path: Path, contract: Any) -> None:
+    reader = added_key(tmp_path / "data", "read")
+    worker = added_key(tmp_path / "data", "read,compute")
+    process = ServerProcess(tmp_path / "data").start()
+    try:
+        refused = Api(process, contract, reader).get("/v1/families/square/atlas")
+        assert (refused.status_code, problem_code(refused)) == (403, "access.scope")
+        assert Api(process, contract, worker).ok(ATLASES, {"family": "square", "samples": 256})["places"]["good"] == 256
+        assert Api(process, contract, reader).get("/v1/families/square/atlas").json()["kept"]
+    finally:
+        process.stop()
 
 
 def test_a_deadline_answers_with_what_was_done(api: Api) -> None:

@@ -14,6 +14,12 @@
 namespace supple::access {
 namespace {
 
+void check_scope(const Key& key, Scope needed) {
+  if (key.scopes.allow(needed)) return;
+  throw Error("access.scope", "This request needs the scope " + std::string(scope_name(needed)) + "; the key " +
+                                  key.id + " has " + scopes_text(key.scopes) + ".");
+}
+
 constexpr std::chrono::seconds check_period{1};
 
 /// A text that changes whenever the file does; empty if there is no file.
@@ -157,10 +163,13 @@ void Gate::count(const Key& key) {
 
 void Gate::allow(const Key& key, Scope needed) {
   count(key);
-  if (!key.scopes.allow(needed)) {
-    throw Error("access.scope", "This request needs the scope " + std::string(scope_name(needed)) + "; the key " +
-                                    key.id + " has " + scopes_text(key.scopes) + ".");
-  }
+  check_scope(key, needed);
+}
+
+void Gate::require_scope(const std::string& id, Scope needed) {
+  const std::lock_guard lock(mutex_);
+  reload_if_changed(time_());
+  if (const auto* const key = find(id)) check_scope(*key, needed);
 }
 
 std::int64_t Gate::max_stored(const std::string& id) {

@@ -120,10 +120,15 @@ AtlasSubject type_in_path(const std::map<std::string, std::string>& path) {
 void add_kept_endpoint(http::Router& router, Services& services, const std::shared_ptr<KeptAtlases>& kept,
                        std::string path, SubjectOfPath subject_of_path) {
   Endpoint endpoint{.path = std::move(path), .kind = "family-atlases"};
-  ReadyAnswer ready = [kept, subject_of_path](const http::Request& request) -> std::optional<http::Response> {
+  ReadyAnswer ready = [&services, kept,
+                       subject_of_path](const http::Request& request) -> std::optional<http::Response> {
     const auto subject = subject_of_path(request.path_parameters);
     const auto record = kept->find(subject.kept_as, subject.family.definition);
-    if (!record) return std::nullopt;
+    if (!record) {
+      // A key that may only read gets what is kept, and starts no computation.
+      if (!request.key.empty()) services.gate->require_scope(request.key, access::Scope::compute);
+      return std::nullopt;
+    }
     return json_response(answer(*kept, *record, true));
   };
   endpoint.prepare = [kept, subject_of_path](const EndpointRequest& asked, const Loader& loader) {

@@ -61,6 +61,9 @@ class Gate {
   void count(const Key& key);
   /// Counts a request as `count` does. Throws "access.scope" if the key lacks the scope that the request needs.
   void allow(const Key& key, Scope needed);
+  /// Throws "access.scope" if the key with this id lacks a scope, for requests of which only some need it. Counts
+  /// nothing.
+  void require_scope(const std::string& id, Scope needed);
 
   /// Bytes that the objects of a key may take in the store; 0 if it has no limit of its own or does not exist.
   std::int64_t max_stored(const std::string& id);
