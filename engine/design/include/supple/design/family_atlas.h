@@ -19,7 +19,7 @@ inline constexpr int max_atlas_samples = 4096;
 
 struct AtlasOptions {
   /// Points of the box, 1 to `max_atlas_samples`: the default parameters, and points of a Sobol sequence. More points
-  /// find more of what the family can do; each takes about 50 ms.
+  /// find more of what the family can do; each takes 20 to 80 ms of one core.
   int samples = 256;
   /// Length of a triangle's side divided by the beam width, as tiling::MeshOptions::mesh_size.
   double mesh_size = 1;
@@ -78,7 +78,7 @@ struct FamilyAtlas {
 /// "atlas.faulty_definition" if the definition has faults near its default parameters, which its details locate. Equal input gives equal samples
 /// (see tiling::mesh_structure).
 ///
-/// A sample takes 20 to 200 ms and little memory, that of one cell's mesh for each thread. Bills the stages "meshing"
+/// A sample takes 20 to 80 ms of one core and little memory, that of one cell's mesh for each thread. Bills the stages "meshing"
 /// and "stiffness", and the effects "crossings", "second_mesh" and "survey".
 FamilyAtlas make_atlas(const tiling::Family& family, const AtlasOptions& options, const Execution& execution = {});
 
