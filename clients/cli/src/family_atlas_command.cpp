@@ -130,7 +130,9 @@ CLI::App* add_family_atlas_command(CLI::App& families, const GlobalOptions& opti
   command->add_option("--crossings", arguments->crossings, "Solve tilings that cross themselves (on for families)")
       ->check(CLI::IsMember({"on", "off"}));
   command->add_flag("--recompute", arguments->recompute, "Compute it even if the server has it");
-  command->add_option("--deadline", arguments->deadline, "Seconds that the computation may take, or for example 2min (600)")
+  command
+      ->add_option("--deadline", arguments->deadline,
+                   "Seconds that the computation may take, or for example 2min (600)")
       ->transform(quantity(Dimension::duration))
       ->check(CLI::PositiveNumber);
   command->add_option("-o,--output", arguments->output, "Write the atlas as JSON to this file, - for the terminal");

@@ -75,11 +75,11 @@ struct FamilyAtlas {
 /// Samples a family's box: what cannot be built, what crosses or is a sliver, and the stiffness at rest of the rest,
 /// each by one mesh and three linear solves. If the deadline or a limit of memory stops it, it answers with what it
 /// has; the samples that were done are as evenly spread as all are. Throws "atlas.invalid_option", and
-/// "atlas.faulty_definition" if the definition has faults near its default parameters, which its details locate. Equal input gives equal samples
-/// (see tiling::mesh_structure).
+/// "atlas.faulty_definition" if the definition has faults near its default parameters, which its details locate. Equal
+/// input gives equal samples (see tiling::mesh_structure).
 ///
-/// A sample takes 20 to 80 ms of one core and little memory, that of one cell's mesh for each thread. Bills the stages "meshing"
-/// and "stiffness", and the effects "crossings", "second_mesh" and "survey".
+/// A sample takes 20 to 80 ms of one core and little memory, that of one cell's mesh for each thread. Bills the stages
+/// "meshing" and "stiffness", and the effects "crossings", "second_mesh" and "survey".
 FamilyAtlas make_atlas(const tiling::Family& family, const AtlasOptions& options, const Execution& execution = {});
 
 /// What a family adds to others, by their atlases.
