@@ -129,7 +129,7 @@ def test_an_atlas_is_a_job_with_progress_that_can_be_cancelled(api: Api) -> None
 
 
 @pytest.mark.parametrize("document, where", [
-    ({}, "/family"),
+    ({}, ""),
     ({"family": "IH21", "isohedral_type": 21}, ""),
     ({"isohedral_type": 19}, "/isohedral_type"),
     ({"family": "IH21", "samples": 0}, "/samples"),

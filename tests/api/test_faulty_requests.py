@@ -31,7 +31,7 @@ def minimal(path: str, mesh: str) -> Dict[str, Any]:
         "/v1/voronoi-optimizations": {"mesh": mesh, "sites": [CORNER, {"vertex": 1}], "objectives": {"centroidal": 1}},
         "/v1/structures": {"family": "IH01"},
         "/v1/family-checks": {"definition": {"id": "hexagons", "description": "Regular hexagons", "parameters": [], "beam_width": 0.1, "isohedral_type": 20}},
-        "/v1/family-atlases": {"family": "IH50", "samples": 1, "error_samples": 0},
+        "/v1/family-atlases": {"definition": {"id": "hexagons", "description": "Regular hexagons", "parameters": [], "beam_width": 0.1, "isohedral_type": 20}},
         "/v1/measured-curves": {"points": [[0, 0], [0.1, 1]]},
         "/v1/parts": {"outline": {"rectangle": [5, 5]}, "structure": {"family": "IH01"}},
         "/v1/weave-layouts": {"weave": {"pattern": "regular"}},

@@ -26,7 +26,8 @@ constexpr auto stop_names = names_of<StopReason>(
 
 void read_subject(Fields& fields, FamilyAtlasRequest& request) {
   const int given = fields.present("family") + fields.present("isohedral_type") + fields.present("definition");
-  if (given > 1) fields.faults().add("", "has one of the fields family, isohedral_type and definition");
+  for (const auto* name : {"family", "isohedral_type", "definition"}) fields.optional(name);
+  if (given != 1) return fields.faults().add("", "must have one of the fields family, isohedral_type and definition");
   if (fields.present("isohedral_type")) {
     fields.integer("isohedral_type", request.isohedral_type, 1, max_type_number);
     if (request.isohedral_type != 0 && !tiling::find_isohedral_type(request.isohedral_type))
@@ -36,7 +37,6 @@ void read_subject(Fields& fields, FamilyAtlasRequest& request) {
   } else {
     read_family_id(fields, "family", request.family);
   }
-  for (const auto* name : {"family", "isohedral_type", "definition"}) fields.optional(name);
 }
 
 void write_range(JsonWriter& out, std::string_view name, const design::AtlasSample& sample, Task task) {

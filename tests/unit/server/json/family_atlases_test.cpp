@@ -60,7 +60,7 @@ TEST(FamilyAtlases, SolveCrossingsOfFamiliesAloneUnlessAsked) {
   const auto faults = [&](const char* body) {
     return testing::places(testing::expect_error("request.invalid", [&] { parsed(body); }));
   };
-  EXPECT_EQ(faults(R"({})"), Pointers{"/family"});
+  EXPECT_EQ(faults(R"({})"), Pointers{""});
   EXPECT_EQ(faults(R"({"isohedral_type":19})"), Pointers{"/isohedral_type"});
   EXPECT_EQ(faults(R"({"family":"IH21","isohedral_type":21})"), Pointers{""});
   EXPECT_EQ(faults(R"({"family":"IH21","samples":5000})"), Pointers{"/samples"});
