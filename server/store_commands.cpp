@@ -69,9 +69,9 @@ int check_command(int argc, char** argv) {
     return repair ? store::repair_shared_store(place, log, problem) : store::check_shared_store(place);
   };
   const auto check = check_or_repair();
-  return print_report(check.faults, "looked at " + std::to_string(check.meshes) + " meshes, " +
-                                        std::to_string(check.results) + " results and " +
-                                        std::to_string(check.requests) + " requests of jobs" +
+  return print_report(check.faults, "looked at " + std::to_string(check.families) + " families, " +
+                                        std::to_string(check.meshes) + " meshes, " + std::to_string(check.results) +
+                                        " results and " + std::to_string(check.requests) + " requests of jobs" +
                                         (repair ? " and repaired" : ""));
 }
 

@@ -91,6 +91,7 @@ FREE: Dict[str, str] = {
         --euclidean --method --tolerance --max-iterations --mollifier --kept-strips --deadline --history --obj --vtu --plot""",
     "voronoi": "--random --sites --method --relative-error --border-deviation --optimize --obj --vtu --svg --csv --deadline",
     "families": "--check",
+    "families add": "--type --id",
     "families atlas": "--samples --mesh-size --error-samples --crossings --recompute --deadline --output",
     "structure": "--parameters --svg --dxf --stl --beam-width",
     "part": """--parameters --coupon --block --rectangle --outline --request --beam-width --orientation --direction --axis --from --design --frame

@@ -1,4 +1,4 @@
-// Feeds arbitrary bytes to the request parsers. The first byte, from 0 to A in the seeds, chooses the parser; the
+// Feeds arbitrary bytes to the request parsers. The first byte, from 0 to C in the seeds, chooses the parser; the
 // others are the body. A parser must return a request within the limits or throw an Error, and the problem document for
 // a client must be valid JSON in UTF-8.
 
@@ -11,12 +11,15 @@
 
 #include "supple/json/answers.h"
 #include "supple/json/embedded_system_requests.h"
+#include "supple/json/family_checks.h"
+#include "supple/json/family_definitions.h"
 #include "supple/json/model_requests.h"
 #include "supple/json/requests.h"
 #include "supple/json/structure_requests.h"
 #include "supple/json/voronoi_requests.h"
 #include "supple/json/weave_requests.h"
 #include "supple/json/weave_toolpath_requests.h"
+#include "supple/tiling/isohedral_types.h"
 
 namespace {
 
@@ -57,6 +60,13 @@ void check_structure(const json::StructureSpec& structure) {
   if (!structure.parameters) return;
   require(structure.parameters->size() <= limits().max_parameters);
   for (const double parameter : *structure.parameters) require(std::isfinite(parameter));
+}
+
+/// A definition that was read is written so that it is read as the same again, and its check ends without an error.
+void check_definition(const tiling::FamilyDefinition& definition) {
+  require(!definition.id.empty() && definition.id.size() <= 32);
+  require(json::parse_family_definition(json::write_family_definition(definition), json::Limits()) == definition);
+  tiling::check_definition(definition);
 }
 
 void check_design(const std::vector<double>& parameters) {
@@ -175,7 +185,7 @@ void check_printer(const weave::PrinterProfile& printer) {
 }
 
 void parse(unsigned which, std::string_view body) {
-  switch (which % 18) {
+  switch (which % 20) {
     case 0: {
       const auto request = json::parse_geodesics(body, limits());
       require(request.mesh.size() == 64 && !request.pairs.empty() && request.pairs.size() <= limits().max_pairs);
@@ -321,6 +331,21 @@ void parse(unsigned which, std::string_view body) {
       for (const auto& gradient : request.gradients) require(gradient.determinant() > 0);
       for (const int index : request.deformed)
         require(index >= 0 && static_cast<std::size_t>(index) < request.gradients.size());
+      return check_deadline(request.deadline);
+    }
+    case 18: {
+      const auto request = json::parse_family_upload(body, limits());
+      if (request.definition) {
+        check_definition(*request.definition);
+      } else {
+        require(tiling::find_isohedral_type(request.drawing.isohedral_type) != nullptr && !request.drawing.id.empty());
+        require(request.drawing.reach > 0 && std::isfinite(request.drawing.reach));
+      }
+      return check_deadline(request.deadline);
+    }
+    case 19: {
+      const auto request = json::parse_family_check(body, limits());
+      check_definition(request.definition);
       return check_deadline(request.deadline);
     }
     default: {

@@ -422,6 +422,26 @@ def simulation_of_a_patch(meshes: Meshes, more: Dict[str, Any]) -> Costly:
         "effects": {"contact": "on", "patch": "on", "buckling": "on"}, "deformed": "json", **more})
 
 
+@costly
+def family_of_many_placements(meshes: Meshes, more: Dict[str, Any]) -> Costly:
+    corners = [[round(math.cos(0.5 * k), 6), round(math.sin(0.5 * k), 6)] for k in range(12)]
+    waves = {"class": "J", "sines": [[0.02 / (k + 1), *[0.001] * 8] for k in range(8)], "pieces": 20}
+    return post("/v1/families", {"definition": {
+        "id": "costly", "description": "", "beam_width": 0.01,
+        "parameters": [{"description": "", "lower": 0, "upper": 1, "default": 0.5} for _ in range(8)],
+        "tile": {"vertices": corners, "edges": [{"shape": k} for k in range(12)], "translations": [[3, 0], [0, 3]],
+                 "placements": [{"linear": [1, 0, 0, 1], "offset": [0.1 * k, 0.1 * k]} for k in range(24)]},
+        "shapes": [waves] * 12}, **more})
+
+
+@costly
+def family_of_a_drawing_with_many_corners(meshes: Meshes, more: Dict[str, Any]) -> Costly:
+    corners = [f"{(100 + 2 * (k % 2)) * math.cos(2 * math.pi * k / 17):.3f},{(100 + 2 * (k % 2)) * math.sin(2 * math.pi * k / 17):.3f}"
+               for k in range(17)]
+    svg = f'<svg xmlns="http://www.w3.org/2000/svg"><polygon points="{" ".join(corners)}"/></svg>'
+    return post("/v1/families", {"svg": svg, "type": "IH01", "id": "costly", **more})
+
+
 # --- models and designs --------------------------------------------------------------------------------------------------
 
 @costly

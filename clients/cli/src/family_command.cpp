@@ -47,12 +47,15 @@ void print_findings(const nlohmann::json& findings, const char* kind) {
   }
 }
 
-/// Checks the definition in a file, which may also be what `families --json` has printed of one family.
+/// The definition in a file, which may also be what `families --json` has printed of one family.
+nlohmann::json definition_in_file(const std::string& file) {
+  const nlohmann::json content = object_in_file(file);
+  return content.contains("definition") ? content.at("definition") : content;
+}
+
 void check(const GlobalOptions& options, const std::string& file) {
   Session session(options);
-  nlohmann::json definition = object_in_file(file);
-  if (definition.contains("definition")) definition = nlohmann::json(definition.at("definition"));
-  const auto answer = session.compute("/v1/family-checks", {{"definition", definition}}).json();
+  const auto answer = session.compute("/v1/family-checks", {{"definition", definition_in_file(file)}}).json();
   if (session.json()) return print_json(answer);
   print_findings(answer.at("faults"), "fault");
   print_findings(answer.at("warnings"), "warning");
@@ -61,11 +64,58 @@ void check(const GlobalOptions& options, const std::string& file) {
   if (!good) throw Failure(ExitCode::violations, "the definition has faults");
 }
 
+/// A family that is to be added: with a type, the file is a drawing of its tile.
+struct NewFamily {
+  std::string file;
+  std::string type;
+  std::string id;
+};
+
+void add_family(const GlobalOptions& options, const NewFamily& family) {
+  Session session(options);
+  nlohmann::json request;
+  if (family.type.empty()) {
+    request = {{"definition", definition_in_file(family.file)}};
+  } else {
+    request = {{"svg", read_file(family.file)}, {"type", family.type}, {"id", family.id}};
+  }
+  const auto answer = session.http().post("/v1/families", request.dump(), "application/json").json();
+  if (session.json()) return print_json(answer);
+  print_findings(answer.at("warnings"), "warning");
+  print_family(answer.at("family"));
+}
+
 void run(const GlobalOptions& options, const std::string& family) {
   Session session(options);
   const nlohmann::json answer = session.http().get(family.empty() ? "/v1/families" : "/v1/families/" + family).json();
   if (session.json()) return print_json(answer);
   family.empty() ? list_families(answer.at("families")) : print_family(answer);
+}
+
+/// What is done with families of one's own.
+void add_family_subcommands(CLI::App& families, const GlobalOptions& options) {
+  families.require_subcommand(0, 1);
+  const auto named = std::make_shared<std::string>();
+  families.add_subcommand("list", "List the families of tilings, one's own after those of the server")
+      ->callback([&options] { run(options, {}); });
+  CLI::App* show = families.add_subcommand("show", "Describe a family");
+  show->add_option("family", *named, "Id of the family")->required();
+  show->callback([&options, named] { run(options, *named); });
+  CLI::App* add = families.add_subcommand("add", "Add a family of one's own, which is checked and stored");
+  const auto added = std::make_shared<NewFamily>();
+  add->add_option("file", added->file, "File with the definition of a family, or with --type an SVG drawing of a tile")
+      ->required();
+  CLI::Option* type = add->add_option("--type", added->type, "Isohedral type of the drawn tile, for example IH21");
+  CLI::Option* id = add->add_option("--id", added->id, "Id of the family of the drawn tile");
+  type->needs(id);
+  id->needs(type);
+  add->callback([&options, added] { add_family(options, *added); });
+  CLI::App* remove = families.add_subcommand("remove", "Remove a family of one's own");
+  remove->add_option("family", *named, "Id of the family")->required();
+  remove->callback([&options, named] {
+    Session session(options);
+    session.http().erase("/v1/families/" + *named);
+  });
 }
 
 }  // namespace
@@ -78,12 +128,14 @@ void add_family_command(CLI::App& program, const GlobalOptions& options) {
   command->add_option("--check", *file, "File with a definition of a family to check")->excludes(described);
   command->footer(
       "Examples:\n  supple families\n  supple families IH21\n  supple families --check family.json\n"
-      "  supple families atlas IH21");
-  CLI::App* atlas = add_family_atlas_command(*command, options);
-  command->callback([&options, family, file, atlas] {
-    if (atlas->parsed()) return;
+      "  supple families atlas IH21\n  supple families add family.json\n"
+      "  supple families add tile.svg --type IH41 --id own\n  supple families remove own");
+  command->callback([&options, command, family, file] {
+    if (!command->get_subcommands().empty()) return;  // which has run
     file->empty() ? run(options, *family) : check(options, *file);
   });
+  add_family_subcommands(*command, options);
+  add_family_atlas_command(*command, options);
 }
 
 }  // namespace supple::cli

@@ -93,6 +93,7 @@ from .errors import (
     SuppleError,
 )
 from .families import (
+    AddedFamily,
     AtlasComparison,
     AtlasMeshError,
     AtlasNearest,
@@ -195,7 +196,8 @@ from .weaves import (
 __version__ = "0.1.0"
 
 __all__ = [
-    "AccessDenied", "AdjacentFaces", "AtlasComparison", "AtlasMeshError", "AtlasNearest", "AtlasProfile", "AtlasSample", "BeamWidthSensitivity", "Biaxial", "CellMesh", "Client", "ConnectionFailed", "Cost", "Crossing",
+    "AccessDenied", "AddedFamily", "AdjacentFaces", "AtlasComparison", "AtlasMeshError", "AtlasNearest", "AtlasProfile", "AtlasSample",
+    "BeamWidthSensitivity", "Biaxial", "CellMesh", "Client", "ConnectionFailed", "Cost", "Crossing",
     "CrossingMember", "CurveNote", "DeadlineExceeded", "DeformedCell", "DeformedPatch", "Design", "DesignCandidate",
     "DesignError", "DesignOptions", "DesignProfile", "DesignRequest", "DesignResult", "DiscretizationError", "Drawing",
     "DrawingRequest", "DrawnPolygon", "Effect", "ErrorStatistics", "Evaluation", "EvaluationRequest", "ExponentialMap",

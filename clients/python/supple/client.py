@@ -16,7 +16,7 @@ from .conversion import arrays_of
 from .designs import DesignRequest, ProfileRequest, RegionsRequest
 from .drawings import DrawingRequest
 from .errors import ConnectionFailed, RequestTimeout, ServerBusy
-from .families import FamilyAtlasRequest, FamilyCheckRequest
+from .families import AddedFamily, FamilyAtlasRequest, FamilyCheckRequest
 from .jobs import Job, JobStatus
 from .mesh import Mesh
 from .models import Model, ModelInfo
@@ -155,6 +155,47 @@ class Client(Connection):
     def families(self) -> List[Family]:
         """The families of tilings that structures are made from."""
         return decode_all(Family, self._get("/v1/families")["families"])
+
+    def add_family(self, definition: Mapping[str, Any]) -> AddedFamily:
+        """Adds a family of one's own, which the server checks and stores. A definition with faults raises `InvalidStructure`, whose `faults` say
+        where they are.
+
+        Args:
+            definition: as in `Family.definition` (schema `FamilyDefinition` of the contract).
+        """
+        return decode(AddedFamily, self._transport.request("POST", "/v1/families", document={"definition": dict(definition)}, repeatable=True).json())
+
+    def add_drawn_family(
+        self,
+        svg: Union[str, Path],
+        isohedral_type: str,
+        family_id: str,
+        *,
+        description: str = "",
+        reach: Optional[float] = None,
+        beam_width: Optional[float] = None,
+        shape_parameters: bool = False,
+    ) -> AddedFamily:
+        """Adds the family of a tile that is drawn. A drawing that is no tile of the type raises `InvalidStructure`, which says why.
+
+        Args:
+            svg: path of an SVG file with one closed curve.
+            isohedral_type: its type, such as "IH21".
+            family_id: id of the family.
+            description: what the family is.
+            reach: distance of the parameters' bounds from those of the drawn tile, dimensionless; None takes 0.05.
+            beam_width: width of the beams in tiling units; None takes 5 % of the square root of the tile's area.
+            shape_parameters: whether the heights of curved edges become parameters.
+        """
+        document: Dict[str, Any] = {"svg": Path(svg).read_text(encoding="utf-8"), "type": isohedral_type, "id": family_id,
+                                    "description": description, "shape_parameters": shape_parameters}
+        document.update({name: float(value) for name, value in (("reach", reach), ("beam_width", beam_width)) if value is not None})
+        return decode(AddedFamily, self._transport.request("POST", "/v1/families", document=document, repeatable=True).json())
+
+    def remove_family(self, family_id: str) -> None:
+        """Removes a family that was added. Raises `InvalidStructure` for one that an unfinished job needs or that comes
+        with the server, and `NotFound`."""
+        self._transport.request("DELETE", f"/v1/families/{quote(family_id, safe='')}")
 
     def family(self, family_id: str) -> Family:
         """A family by its id, such as "IH21". Raises `NotFound`."""

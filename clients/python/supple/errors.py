@@ -105,7 +105,7 @@ class InvalidVoronoi(InvalidRequest):
 
 
 class InvalidStructure(InvalidRequest):
-    """A tiling's parameters give no structure, or none that can be meshed."""
+    """A tiling's parameters give no structure, or none that can be meshed; or a definition is not one of a family."""
 
 
 class InvalidDesign(InvalidRequest):
@@ -173,7 +173,7 @@ def _class_for(status: int, code: str) -> Type[ProblemError]:
         return InvalidHost
     if code.startswith("voronoi."):
         return InvalidVoronoi
-    if code.startswith("tiling."):
+    if code.startswith(("tiling.", "family.")):
         return InvalidStructure
     if code.startswith("design."):
         return InvalidDesign

@@ -9,6 +9,7 @@ from ._arrays import Array, Numbers
 from .answers import Cost
 from .request import Deadline, Reported, Request, Timeout
 from .shown import Shown
+from .tilings import Family
 from .wire import At
 
 
@@ -53,6 +54,14 @@ class FamilyCheck(Shown):
     warnings: Tuple[FamilyFinding, ...]
     tiling: Optional[FamilyTiling]
     cost: Cost
+
+
+@dataclass(frozen=True, repr=False)
+class AddedFamily(Shown):
+    """A family that was added. Warnings are of places within its bounds that are to be avoided."""
+
+    family: Family
+    warnings: Tuple[FamilyFinding, ...]
 
 
 @dataclass(frozen=True)

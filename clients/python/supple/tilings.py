@@ -31,6 +31,7 @@ class Family(Shown):
         lattice: the two translations of the cell with default parameters, as rows, shape (2, 2), mm.
         cell_area: area of this cell, holes included, mm^2.
         relative_density: fraction of this cell that is solid.
+        created: when it was added, RFC 3339 in UTC; None if it comes with the server.
         definition: the family as data, as in its file (schema `FamilyDefinition` of the contract); None for "square".
     """
 
@@ -47,6 +48,7 @@ class Family(Shown):
     cell_area: Annotated[float, At("/cell/area")]
     relative_density: Annotated[float, At("/cell/relative_density")]
     definition: Optional[Dict[str, Any]] = None
+    created: Optional[str] = None
 
 
 @dataclass(frozen=True, repr=False)

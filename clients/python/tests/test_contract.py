@@ -29,7 +29,7 @@ DESIGNS = SCHEMAS["DesignResponse"]
 ANSWERS += [(kind, {**DESIGNS, "required": DESIGNS["required"] + required}) for kind, required in (
     (supple.DesignResult, SCHEMAS["Design"]["required"]), (supple.RegionDesigns, ["regions"]))]
 ANSWERS += [(kind, SCHEMAS[name]) for kind, name in (
-    (supple.MeshInfo, "Mesh"), (supple.PatchMesh, "PatchMesh"), (supple.MeshRepair, "MeshRepair"), (supple.Family, "Family"), (supple.ModelInfo, "Model"),
+    (supple.MeshInfo, "Mesh"), (supple.PatchMesh, "PatchMesh"), (supple.MeshRepair, "MeshRepair"), (supple.Family, "Family"), (supple.AddedFamily, "AddedFamily"), (supple.ModelInfo, "Model"),
     (JobStatus, "Job"), (PlacedPoint, "PlacedPoint"), (supple.Geodesic, "GeodesicResult"), (supple.GcodeReport, "GcodeReport"),
     (supple.PartialDesign, "PartialDesign"), (supple.PartialRound, "PartialRound"),
     (supple.PartialRelaxation, "PartialRelaxation"), (supple.PartialOptimization, "PartialOptimization"))]

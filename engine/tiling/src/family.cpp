@@ -73,12 +73,16 @@ const std::vector<Family>& families() {
   return all;
 }
 
-const Family& family(std::string_view id) {
+const Family* find_family(std::string_view id) {
   const auto& all = families();
   const auto found = std::find_if(all.begin(), all.end(), [&](const Family& candidate) { return candidate.id == id; });
-  if (found != all.end()) return *found;
+  return found == all.end() ? nullptr : &*found;
+}
+
+const Family& family(std::string_view id) {
+  if (const Family* found = find_family(id)) return *found;
   std::string known;
-  for (const Family& candidate : all) known += (known.empty() ? "" : ", ") + candidate.id;
+  for (const Family& candidate : families()) known += (known.empty() ? "" : ", ") + candidate.id;
   throw FamilyNotFound("tiling.family_not_found",
                        "There is no family \"" + std::string(id) + "\"; known are " + known + ".",
                        {{"family", "must be one of " + known}});

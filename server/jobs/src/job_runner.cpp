@@ -72,6 +72,7 @@ JobPointer JobRunner::make_job(Computation computation, bool has_request, Row ro
   record.idempotency_key = computation.idempotency_key;
   record.request_hash = computation.request_hash;
   record.priority = computation.priority;
+  record.families = computation.families;
   return std::make_shared<Job>(board_, watchdog_, std::move(computation), std::move(record), has_request, row);
 }
 

@@ -26,28 +26,6 @@ void write_bound(JsonWriter& out, std::string_view name, const std::vector<tilin
   out.end_array();
 }
 
-void write_family(JsonWriter& out, const tiling::Structure& preset) {
-  const auto& family = tiling::family(preset.family);
-  out.begin_object().field("id", family.id).field("description", family.description);
-  out.key("parameters").begin_object();
-  write_bound(out, "lower", family.parameters, &tiling::Parameter::lower);
-  write_bound(out, "upper", family.parameters, &tiling::Parameter::upper);
-  write_bound(out, "default", family.parameters, &tiling::Parameter::preset);
-  out.end_object();
-  out.field("beam_width", family.beam_width)
-      .field("printed_beam_width", preset.beam_width)
-      .field("scale", preset.scale);
-  out.key("cell").begin_object().field("tiles", preset.tiling.placements.size());
-  write_lattice(out, preset.tiling.lattice);
-  out.field("area", preset.cell_area).field("relative_density", preset.solid_area / preset.cell_area);
-  out.end_object().key("definition");
-  if (family.definition)
-    write_family_definition(out, *family.definition);
-  else
-    out.null();
-  out.end_object();
-}
-
 void write_tiles(JsonWriter& out, const tiling::Structure& structure) {
   out.key("tiles").begin_array();
   for (std::size_t k = 0; k < structure.holes.size(); ++k) {
@@ -77,17 +55,40 @@ void write_mesh(JsonWriter& out, const MeshedCell& mesh) {
 
 }  // namespace
 
-std::string write_families(const std::vector<tiling::Structure>& presets) {
+std::string write_families(const std::vector<std::string>& families) {
   JsonWriter out;
   out.begin_object().key("families").begin_array();
-  for (const auto& preset : presets) write_family(out, preset);
+  for (const auto& family : families) out.raw(family);
   out.end_array().end_object();
   return out.take();
 }
 
-std::string write_family(const tiling::Structure& preset) {
+std::string write_family(const tiling::Family& family, const tiling::Structure& preset,
+                         std::optional<std::int64_t> created) {
   JsonWriter out;
-  write_family(out, preset);
+  out.begin_object().field("id", family.id).field("description", family.description);
+  out.key("parameters").begin_object();
+  write_bound(out, "lower", family.parameters, &tiling::Parameter::lower);
+  write_bound(out, "upper", family.parameters, &tiling::Parameter::upper);
+  write_bound(out, "default", family.parameters, &tiling::Parameter::preset);
+  out.end_object();
+  out.field("beam_width", family.beam_width)
+      .field("printed_beam_width", preset.beam_width)
+      .field("scale", preset.scale);
+  out.key("cell").begin_object().field("tiles", preset.tiling.placements.size());
+  write_lattice(out, preset.tiling.lattice);
+  out.field("area", preset.cell_area).field("relative_density", preset.solid_area / preset.cell_area);
+  out.end_object().key("created");
+  if (created)
+    out.string(time_text(*created));
+  else
+    out.null();
+  out.key("definition");
+  if (family.definition)
+    write_family_definition(out, *family.definition);
+  else
+    out.null();
+  out.end_object();
   return out.take();
 }
 

@@ -43,15 +43,19 @@ std::vector<Model> models_by_family(const store::ModelStore& store) {
 }
 
 /// The model of a family. Throws "design.no_model" with a pointer to the field.
-Model model_of_family(const store::ModelStore& store, const std::string& family, const std::string& region) {
-  const auto models = models_by_family(store);
+Model model_of_family(const Loader& loader, const std::string& family, const std::string& region) {
+  const auto models = models_by_family(loader.models());
   std::string known;
   for (const auto& model : models) {
     if (model->model.family == family) return model;
     known += (known.empty() ? "" : ", ") + model->model.family;
   }
-  const std::string text = "No model of the family " + family.substr(0, 100) +
-                           " is loaded; there are models of: " + (known.empty() ? "none" : known) + ".";
+  const std::string there_are = "; there are models of: " + (known.empty() ? "none" : known) + ".";
+  const std::string text = loader.has_added_family(family)
+                               ? "The family " + family +
+                                     ", which you have added, has no model yet, so that no design is found in it" +
+                                     there_are
+                               : "No model of the family " + family.substr(0, 100) + " is loaded" + there_are;
   throw Error("design.no_model", text, {{region + "/family", text}});
 }
 
@@ -67,9 +71,10 @@ struct Region {
   std::vector<Model> others = {};  ///< models of other families, which may be ways out
 };
 
-std::vector<Model> models_of(const store::ModelStore& store, const json::RegionSpec& spec, const std::string& region) {
+std::vector<Model> models_of(const Loader& loader, const json::RegionSpec& spec, const std::string& region) {
+  const store::ModelStore& store = loader.models();
   if (!spec.model.empty()) return {model_by_id(store, spec.model, region)};
-  if (spec.family != "any") return {model_of_family(store, spec.family, region)};
+  if (spec.family != "any") return {model_of_family(loader, spec.family, region)};
   if (spec.problem.initial || !spec.problem.fixed.empty()) {
     const std::string field = spec.problem.initial ? "initial" : "fixed";
     throw Error("design.needs_family",
@@ -264,7 +269,7 @@ PreparedComputation prepare_design(const EndpointRequest& asked, const Loader& l
   for (std::size_t i = 0; i < request->regions.size(); ++i) {
     const auto pointer = request->several ? "/regions/" + std::to_string(i) : std::string();
     const auto& spec = request->regions[i];
-    Region region{.spec = spec, .models = models_of(loader.models(), spec, pointer), .pointer = pointer};
+    Region region{.spec = spec, .models = models_of(loader, spec, pointer), .pointer = pointer};
     check_targets(region);
     prepare_materials(region);
     if (request->seeks_ways_out()) region.others = models_of_other_families(loader.models(), region);
@@ -297,7 +302,7 @@ store::Result compute_profile(const store::LoadedModel& model, const json::Profi
 
 PreparedComputation prepare_profile(const EndpointRequest& asked, const Loader& loader) {
   auto request = json::parse_profile(asked.body, loader.limits(), loader.cancellation());
-  auto model = request.model.empty() ? model_of_family(loader.models(), request.family, "")
+  auto model = request.model.empty() ? model_of_family(loader, request.family, "")
                                      : model_by_id(loader.models(), request.model, "");
   if (request.material) check_material(*request.material, model->model, "/material");
   const auto expected = static_cast<std::size_t>(model->evaluator.shape().parameters);

@@ -98,28 +98,37 @@ class EndpointHandler {
   jobs::Computation repeat(const http::Request& request, const Execution& execution) const {
     require_body(request);
     const auto asked = endpoint_request(request, negotiate_format(endpoint_, request), true);
-    return computation_of(request, endpoint_.prepare(asked, Loader(services_, request, execution)));
+    return computation_of(request, prepare(asked, Loader(services_, request, execution)));
   }
 
  private:
+  struct Prepared {
+    PreparedComputation computation;
+    std::string families;  ///< ids of the added families that it needs, as in store::JobRecord
+  };
+
   void require_body(const http::Request& request) const {
     if (!ready_answer_) require_json(request);
   }
 
-  PreparedComputation prepare(const http::Request& request, const EndpointRequest& asked,
-                              Clock::time_point begin) const {
-    if (request.body.size() <= max_bytes_at_once) return endpoint_.prepare(asked, Loader(services_, request, begin));
-    PreparedComputation prepared;
+  Prepared prepare(const EndpointRequest& asked, const Loader& loader) const {
+    auto computation = endpoint_.prepare(asked, loader);
+    return {std::move(computation), loader.added_families()};
+  }
+
+  Prepared prepare(const http::Request& request, const EndpointRequest& asked, Clock::time_point begin) const {
+    if (request.body.size() <= max_bytes_at_once) return prepare(asked, Loader(services_, request, begin));
+    Prepared prepared;
     const double deadline = remaining_seconds(json::peek_deadline(request.body, services_.limits.json), begin);
     jobs::Computation reading{.kind = endpoint_.kind, .mesh = {}, .deadline = deadline, .run = {}};
     reading.priority = priority_of_preparation(request.body);
-    work_now(services_, request, std::move(reading), [&](const Execution& execution) {
-      prepared = endpoint_.prepare(asked, Loader(services_, request, execution));
-    });
+    work_now(services_, request, std::move(reading),
+             [&](const Execution& execution) { prepared = prepare(asked, Loader(services_, request, execution)); });
     return prepared;
   }
 
-  jobs::Computation computation_of(const http::Request& request, PreparedComputation prepared) const {
+  jobs::Computation computation_of(const http::Request& request, Prepared made) const {
+    auto& [prepared, families] = made;
     // Who sends requests with a session, one after the other, waits for the latest one.
     const auto unasked = prepared.session.empty() ? Priority::normal : Priority::interactive;
     // Sessions of two keys that have the same name are two.
@@ -133,7 +142,8 @@ class EndpointHandler {
             .owner = request.key,
             .bytes = static_cast<std::int64_t>(request.body.size()),
             .max_waiting = request.max_waiting_jobs,
-            .priority = json::peek_priority(request.body).value_or(unasked)};
+            .priority = json::peek_priority(request.body).value_or(unasked),
+            .families = std::move(families)};
   }
 
   http::Response answer_with_job(const http::Request& request, jobs::Computation computation,
@@ -180,6 +190,9 @@ jobs::Computation computation_of(const http::Router& router, const store::JobRec
   request.path = std::move(stored.request.path);
   request.query = std::move(stored.request.query);
   request.client = job.client;
+  // The families of the owner are found by their names, while meshes may have lost it as an owner since.
+  request.key = job.owner;
+  request.is_admin = true;
   request.body = std::move(stored.body);
   request.headers = {{"Content-Type", std::move(stored.request.content_type)},
                      {"Accept", std::move(stored.request.accept)}};

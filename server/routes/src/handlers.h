@@ -19,6 +19,8 @@ void add_embedded_system_route(http::Router& router, Services& services);
 void add_voronoi_routes(http::Router& router, Services& services);
 void add_exponential_map_route(http::Router& router, Services& services);
 void add_structure_routes(http::Router& router, Services& services);
+/// Families of one's own: adding, listing and removing them.
+void add_family_routes(http::Router& router, Services& services);
 void add_family_check_routes(http::Router& router, Services& services);
 void add_family_atlas_routes(http::Router& router, Services& services);
 void add_simulation_route(http::Router& router, Services& services);

@@ -11,6 +11,7 @@
 #include "supple/routes/services.h"
 #include "supple/store/mesh_cache.h"
 #include "supple/surface/nearest_point.h"
+#include "supple/tiling/family.h"
 
 namespace supple::routes {
 
@@ -18,8 +19,8 @@ namespace supple::routes {
 /// background does not wait for other background jobs until it is accepted.
 Priority priority_of_preparation(std::string_view body);
 
-/// Gives an endpoint what it prepares a computation from: the server's limits and models, and the meshes that the
-/// request may see.
+/// Gives an endpoint what it prepares a computation from: the server's limits and models, and the meshes and families
+/// that the request may see. One thread at a time.
 class Loader {
  public:
   using Clock = std::chrono::steady_clock;
@@ -33,6 +34,14 @@ class Loader {
       : services_(services), request_(request), execution_(&execution) {}
 
   const json::Limits& limits() const { return services_.limits.json; }
+  /// The family of this name: one that comes with the server, or one that the request's key has added. Throws
+  /// "tiling.family_not_found", which lists both.
+  std::shared_ptr<const tiling::Family> family(const std::string& name) const;
+  /// Whether the request's key has added a family of this name.
+  bool has_added_family(const std::string& name) const;
+  /// The ids of the added families that were asked for, separated by commas.
+  const std::string& added_families() const { return added_families_; }
+
   const store::ModelStore& models() const { return *services_.models; }
   metrics::Metrics& metrics() const { return *services_.metrics; }
   /// Stops the parsing of a body.
@@ -54,6 +63,7 @@ class Loader {
   const http::Request& request_;
   Clock::time_point begin_{};
   const Execution* execution_ = nullptr;  ///< null for a thread that computes nothing yet
+  mutable std::string added_families_;
 };
 
 }  // namespace supple::routes

@@ -19,4 +19,7 @@ void require_mesh(const Services& services, const http::Request& request, const 
 /// The same for a job, with "job.not_found".
 void require_job(const Services& services, const http::Request& request, const std::string& id);
 
+/// Throws "tiling.family_not_found", which lists the families that come with the server and those of an owner.
+[[noreturn]] void throw_family_not_found(const Services& services, const std::string& owner, const std::string& name);
+
 }  // namespace supple::routes

@@ -28,18 +28,19 @@ constexpr PartFormat part_formats[] = {
     {"model/stl", "stl", tiling::part_stl},
     {"model/3mf", "3mf", tiling::part_3mf}};
 
-tiling::Filling filling_of(const json::PartRequest& request, const json::FillingSpec& spec, const std::string& owner) {
-  return {make_structure(spec.structure, PointerMap(owner + "/structure")), spec.beam_width,
+tiling::Filling filling_of(const json::PartRequest& request, const json::FillingSpec& spec, const Loader& loader,
+                           const std::string& owner) {
+  return {make_structure(spec.structure, loader, PointerMap(owner + "/structure")), spec.beam_width,
           request.orientation_in_part(spec)};
 }
 
-tiling::PartDesign design_of(const json::PartRequest& request) {
+tiling::PartDesign design_of(const json::PartRequest& request, const Loader& loader) {
   tiling::PartDesign design = request.design;
-  design.filling = filling_of(request, request.filling, "");
+  design.filling = filling_of(request, request.filling, loader, "");
   for (std::size_t i = 0; i < request.regions.size(); ++i) {
     const auto& region = request.regions[i];
     design.regions.push_back(
-        {region.outline, filling_of(request, region.filling, "/regions/" + std::to_string(i)), region.name});
+        {region.outline, filling_of(request, region.filling, loader, "/regions/" + std::to_string(i)), region.name});
   }
   // Where the regions are the part, the structure of the rest fills nothing and sets no limit.
   if (design.outline_of_regions && !design.regions.empty()) design.filling = design.regions.front().filling;
@@ -108,7 +109,7 @@ store::Result compute(const json::PartRequest& request, const tiling::PartDesign
 
 PreparedComputation prepare_part(const EndpointRequest& asked, const Loader& loader) {
   auto request = json::parse_part(asked.body, loader.limits(), loader.cancellation());
-  auto design = design_of(request);
+  auto design = design_of(request, loader);
   const PartFormat* const format = file_of(part_formats, asked.format);
   design.divides_solid = format != nullptr && format->write == &tiling::part_3mf;
   return {.deadline = request.deadline,

@@ -24,6 +24,7 @@ http::Router make_router(Services& services) {
   add_design_routes(router, services);
   add_measured_curve_route(router, services);
   add_outline_route(router, services);
+  add_family_routes(router, services);
   add_family_check_routes(router, services);
   add_family_atlas_routes(router, services);
   add_part_route(router, services);

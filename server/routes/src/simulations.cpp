@@ -70,7 +70,7 @@ store::Result compute(json::SimulationRequest request, const tiling::Structure& 
 
 PreparedComputation prepare_simulation(const EndpointRequest& asked, const Loader& loader) {
   auto request = json::parse_simulation(asked.body, loader.limits(), loader.cancellation());
-  auto structure = make_structure(request.structure, PointerMap(""));
+  auto structure = make_structure(request.structure, loader, PointerMap(""));
   return {.deadline = request.deadline,
           .run = [request = std::move(request), structure = std::move(structure), limits = loader.limits()](
                      const Execution& execution) { return compute(request, structure, limits, execution); }};

@@ -4,26 +4,15 @@
 
 namespace supple::routes {
 
-tiling::Structure make_structure(const json::StructureSpec& spec, const PointerMap& pointers) {
-  const auto& family =
-      *fault_of_field<tiling::FamilyNotFound>(pointers.pointer("family"), [&] { return &tiling::family(spec.family); });
+tiling::Structure make_structure(const json::StructureSpec& spec, const Loader& loader, const PointerMap& pointers) {
+  const auto family =
+      fault_of_field<tiling::FamilyNotFound>(pointers.pointer("family"), [&] { return loader.family(spec.family); });
   try {
-    return tiling::make_structure(family, spec.parameters ? *spec.parameters : tiling::presets(family));
+    return tiling::make_structure(*family, spec.parameters ? *spec.parameters : tiling::presets(*family));
   } catch (const tiling::TilingError& error) {
     if (!error.details().empty()) throw pointers(error);
     throw Error(error.code(), error.what(), {{pointers.pointer("parameters"), error.what()}});
   }
-}
-
-const std::vector<tiling::Structure>& preset_structures() {
-  static const auto structures = [] {
-    std::vector<tiling::Structure> result;
-    for (const auto& family : tiling::families()) {
-      result.push_back(tiling::make_structure(family, tiling::presets(family)));
-    }
-    return result;
-  }();
-  return structures;
 }
 
 }  // namespace supple::routes

@@ -13,8 +13,10 @@
 namespace supple::routes {
 namespace {
 
-/// Clients may cache a file behind a link for an hour: it changes only with the version of the server.
+/// Clients may cache a file behind a link for an hour: it changes only with the version of the server. The file of an
+/// added family is its owner's, and changes where another family is added under its name.
 constexpr const char* link_cache_control = "public, max-age=3600";
+constexpr const char* link_cache_control_of_added = "private, no-cache";
 
 store::Result write_file(const tiling::ExportOptions& files, const tiling::Structure& structure,
                          const StructureFormat& format, const Execution& outer) {
@@ -54,10 +56,11 @@ http::Response link(Services& services, const http::Request& http_request) {
   require_ready(services);
   const auto begin = Loader::Clock::now();
   const auto& family = http_request.path_parameters.at("family");
-  tiling::family(family);  // in the path: whatever the query says, an unknown one is not found
+  const Loader loader(services, http_request, begin);
+  loader.family(family);  // in the path: whatever the query says, an unknown one is not found
   const auto query = read_structure_query(http_request, services.limits.json);
   const PointerMap pointers("", {{.field = "parameters", .pointer = "query parameters"}});
-  const auto structure = tiling::scaled(make_structure({family, query.parameters}, pointers), query.beam_width);
+  const auto structure = tiling::scaled(make_structure({family, query.parameters}, loader, pointers), query.beam_width);
   const jobs::Computation computation{
       .kind = "structures",
       .mesh = {},
@@ -65,13 +68,13 @@ http::Response link(Services& services, const http::Request& http_request) {
       .run = [&](const Execution& execution) { return write_file(query.files, structure, query.format, execution); },
       .client = http_request.client};
   auto response = answer_immediately(services, http_request, computation, seconds_since(begin));
-  response.set_header("Cache-Control", link_cache_control);
+  response.set_header("Cache-Control", tiling::find_family(family) ? link_cache_control : link_cache_control_of_added);
   return response;
 }
 
 PreparedComputation prepare_structure(const EndpointRequest& asked, const Loader& loader) {
   auto request = json::parse_structure(asked.body, loader.limits(), loader.cancellation());
-  auto structure = tiling::scaled(make_structure(request.structure, PointerMap("")), request.beam_width);
+  auto structure = tiling::scaled(make_structure(request.structure, loader, PointerMap("")), request.beam_width);
   return {.deadline = request.deadline,
           .run = [request = std::move(request), structure = std::move(structure),
                   format = file_of(structure_formats, asked.format)](const Execution& execution) {
@@ -83,18 +86,6 @@ PreparedComputation prepare_structure(const EndpointRequest& asked, const Loader
 }  // namespace
 
 void add_structure_routes(http::Router& router, Services& services) {
-  router.add({"GET",
-              "/v1/families",
-              [](const http::Request&) { return json_response(json::write_families(preset_structures())); },
-              {}});
-  router.add({"GET",
-              "/v1/families/{family}",
-              [](const http::Request& request) {
-                const auto& family = tiling::family(request.path_parameters.at("family"));
-                const auto index = static_cast<std::size_t>(&family - tiling::families().data());
-                return json_response(json::write_family(preset_structures()[index]));
-              },
-              {}});
   router.add({"GET",
               "/v1/families/{family}/structure",
               [&services](const http::Request& request) { return link(services, request); },

@@ -21,6 +21,10 @@ class LocalJobs final : public JobStore {
     if (!job.idempotency_key.empty() && state_.find_job_of_key(job.idempotency_key)) return false;
     state_.make_room_within_owner_limit(job.owner, limit, Category::requests, bytes, job.id);
     Transaction transaction(database);
+    for (const auto& id : family_ids(job)) {
+      Statement family(database, "SELECT 1 FROM families WHERE id = ?");
+      if (!family.bind(id).step()) throw_family_removed();
+    }
     insert_job(database, job, bytes, state_.owners);
     if (!request.empty())
       Statement(database, "INSERT INTO requests (job, content) VALUES (?, ?)").bind(job.id).bind_bytes(request).run();

@@ -243,6 +243,7 @@ struct LocalState {
 };
 
 std::unique_ptr<MeshStore> make_local_meshes(LocalState& state);
+std::unique_ptr<FamilyStore> make_local_families(LocalState& state);
 std::unique_ptr<JobStore> make_local_jobs(LocalState& state);
 std::unique_ptr<BlobStore> make_local_blobs(LocalState& state);
 

@@ -11,11 +11,13 @@ struct LocalStore::Parts {
   Parts(const std::filesystem::path& folder, const Recovery& recovery, const Quota& quota)
       : state(folder, recovery, quota),
         meshes(make_local_meshes(state)),
+        families(make_local_families(state)),
         jobs(make_local_jobs(state)),
         blobs(make_local_blobs(state)) {}
 
   LocalState state;
   const std::unique_ptr<MeshStore> meshes;
+  const std::unique_ptr<FamilyStore> families;
   const std::unique_ptr<JobStore> jobs;
   const std::unique_ptr<BlobStore> blobs;
 };
@@ -35,6 +37,7 @@ LocalStore::~LocalStore() {
 }
 
 MeshStore& LocalStore::meshes() const { return *parts_->meshes; }
+FamilyStore& LocalStore::families() const { return *parts_->families; }
 JobStore& LocalStore::jobs() const { return *parts_->jobs; }
 BlobStore& LocalStore::blobs() const { return *parts_->blobs; }
 

@@ -24,11 +24,28 @@ CheckReport check_before_repair(const fs::path& folder) {
   return check;
 }
 
+/// The rows of families that do not have their hash. The families are counted in `check`.
+std::vector<FaultyFamily> faulty_families(const Database& database, CheckReport& check) {
+  std::vector<FaultyFamily> faulty;
+  for (Statement row(database, "SELECT " + family_columns() + " FROM families ORDER BY sequence"); row.step();) {
+    ++check.families;
+    auto family = read_family(row);
+    if (auto fault = fault_of_family(family, row.text(6)); !fault.empty())
+      faulty.push_back({std::move(family), std::move(fault)});
+  }
+  return faulty;
+}
+
 void repair(const DataFolder& folder, const LocalStore::Recovery& recovery,
             const std::function<std::string(const std::string&)>& problem) {
   bool is_new = false;
   const auto database = open_database(folder, is_new);
   recover_files(folder, *database, recovery, is_new);
+  CheckReport ignored;
+  for (const auto& [family, fault] : faulty_families(*database, ignored)) {
+    Statement(*database, "DELETE FROM families WHERE id = ?").bind(family.id).run();
+    set_family_aside(folder, family);
+  }
   for (const auto& file : catalogue_of(*database).files()) {
     const auto fault = fault_on_disk(file, folder.paths());
     if (fault.empty()) continue;
@@ -56,6 +73,8 @@ CheckReport check_folder(const fs::path& folder) {
   try {
     const Database database(paths.database());
     database.check();
+    if (has_table(database, "families"))
+      for (auto& row : faulty_families(database, check)) check.faults.push_back(std::move(row.fault));
     check_files(paths, catalogue_of(database), check);
   } catch (const DamagedDatabase& error) {
     check.faults.emplace_back(error.what());

@@ -53,6 +53,8 @@ OwnerUsage OwnerTable::owner_usage(const std::string& owner, const std::string& 
                    "SELECT COALESCE(SUM(max(bytes, 0)), 0) FROM owners JOIN meshes ON meshes.id = owners.id "
                    "WHERE owners.owner = ? AND owners.kind = 'mesh'");
   if (meshes.bind(owner).step()) owner_usage.meshes = meshes.integer(0);
+  Statement families(database_, "SELECT COALESCE(SUM(bytes), 0) FROM families WHERE owner = ?");
+  if (families.bind(owner).step()) owner_usage.families = families.integer(0);
   Statement jobs(database_,
                  "SELECT COALESCE(SUM(CASE WHEN finished > 0 THEN max(bytes, 0) END), 0), "
                  "COALESCE(SUM(CASE WHEN finished = 0 THEN max(bytes, 0) END), 0) "

@@ -44,6 +44,18 @@ CREATE TABLE IF NOT EXISTS clock (
   machine_start_id TEXT NOT NULL,
   machine_start INTEGER NOT NULL
 );
+CREATE TABLE IF NOT EXISTS families (
+  sequence INTEGER PRIMARY KEY AUTOINCREMENT,
+  id TEXT NOT NULL UNIQUE,
+  owner TEXT NOT NULL,
+  name TEXT NOT NULL,
+  created INTEGER NOT NULL,
+  definition TEXT NOT NULL,
+  description TEXT NOT NULL,
+  hash TEXT NOT NULL,
+  bytes INTEGER NOT NULL,
+  UNIQUE (owner, name)
+);
 CREATE TABLE IF NOT EXISTS requests (
   job TEXT PRIMARY KEY,
   content BLOB NOT NULL
@@ -65,7 +77,7 @@ constexpr Column later_columns[] = {
     {"jobs", "session", "TEXT NOT NULL DEFAULT ''"},         {"jobs", "attempts", "INTEGER NOT NULL DEFAULT 0"},
     {"meshes", "bytes", "INTEGER NOT NULL DEFAULT -1"},      {"jobs", "bytes", "INTEGER NOT NULL DEFAULT -1"},
     {"jobs", "idempotency_key", "TEXT NOT NULL DEFAULT ''"}, {"jobs", "request_hash", "TEXT NOT NULL DEFAULT ''"},
-    {"jobs", "priority", "TEXT NOT NULL DEFAULT 'normal'"},
+    {"jobs", "priority", "TEXT NOT NULL DEFAULT 'normal'"},  {"jobs", "families", "TEXT NOT NULL DEFAULT ''"},
 };
 
 constexpr const char* indices_of_later_columns =
@@ -74,7 +86,7 @@ constexpr const char* indices_of_later_columns =
 /// The columns of the table "jobs" that make a job.
 constexpr const char* job_columns =
     "id, kind, mesh, state, created, started, finished, expires, deadline, error, error_status, client, session, "
-    "attempts, idempotency_key, request_hash, priority";
+    "attempts, idempotency_key, request_hash, priority, families";
 
 bool has_column(const Database& database, const Column& column) {
   Statement rows(database, "SELECT 1 FROM pragma_table_info(?) WHERE name = ?");
@@ -82,6 +94,11 @@ bool has_column(const Database& database, const Column& column) {
 }
 
 }  // namespace
+
+bool has_table(const Database& database, std::string_view name) {
+  Statement row(database, "SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = ?");
+  return row.bind(name).step();
+}
 
 std::string job_columns_to_read() { return std::string(job_columns) + ", " + OwnerTable::owner_of_job(); }
 
@@ -106,6 +123,7 @@ void prepare_tables(Database& database) {
   // A column that is missing is found now, and not by the first request that needs it.
   const Statement clock(database, "SELECT machine_start_id, machine_start FROM clock");
   const Statement meshes(database, "SELECT id, created, description, used, bytes, sequence FROM meshes");
+  const Statement families(database, "SELECT " + family_columns() + ", bytes, sequence FROM families");
   const Statement jobs(database, "SELECT " + std::string(job_columns) +
                                      ", bytes, result_type, result_headers, result_hash, sequence FROM jobs");
 }
@@ -129,13 +147,14 @@ JobRecord read_job(const Statement& row) {
   job.idempotency_key = row.text(14);
   job.request_hash = row.text(15);
   job.priority = priority_of(row.text(16)).value_or(Priority::normal);
-  job.owner = row.text(17);
+  job.families = row.text(17);
+  job.owner = row.text(18);
   return job;
 }
 
 void insert_job(const Database& database, const JobRecord& job, std::int64_t request_bytes, OwnerTable& owners) {
   Statement(database, "INSERT INTO jobs (" + std::string(job_columns) +
-                          ", bytes) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
+                          ", bytes) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
       .bind(job.id)
       .bind(job.kind)
       .bind(job.mesh)
@@ -153,6 +172,7 @@ void insert_job(const Database& database, const JobRecord& job, std::int64_t req
       .bind(job.idempotency_key)
       .bind(job.request_hash)
       .bind(priority_name(job.priority))
+      .bind(job.families)
       .bind(request_bytes)
       .run();
   if (!job.owner.empty()) owners.add(OwnerTable::Kind::job, job.id, job.owner);
@@ -183,6 +203,23 @@ void insert_mesh(const Database& database, const MeshRecord& mesh, std::int64_t 
       .bind(mesh.created)
       .bind(mesh.description)
       .bind(bytes)
+      .run();
+}
+
+FamilyRecord read_family(const Statement& row) {
+  return {row.text(0), row.text(1), row.text(2), row.integer(3), row.text(4), row.text(5)};
+}
+
+void insert_family(const Database& database, const FamilyRecord& family, const std::string& hash) {
+  Statement(database, "INSERT INTO families (" + family_columns() + ", bytes) VALUES (?, ?, ?, ?, ?, ?, ?, ?)")
+      .bind(family.id)
+      .bind(family.owner)
+      .bind(family.name)
+      .bind(family.created)
+      .bind(family.definition)
+      .bind(family.description)
+      .bind(hash)
+      .bind(bytes_of_family(family))
       .run();
 }
 

@@ -1,5 +1,6 @@
 #include <utility>
 
+#include "family_rows.h"
 #include "file_access.h"
 #include "record_file.h"
 #include "shared_schema.h"
@@ -18,6 +19,9 @@ class SharedJobs final : public JobStore {
     const auto bytes =
         request.empty() ? bytes_of(state_.paths.request(job.id)) : static_cast<std::int64_t>(request.size());
     const bool added = state_.database.transaction([&](pqxx::work& transaction) {
+      for (const auto& id : family_ids(job))
+        if (transaction.exec_params("SELECT 1 FROM families WHERE id = $1 FOR KEY SHARE", id).empty())
+          throw_family_removed();
       // If this transaction is run again, it adds nothing to what its first run has added.
       return insert_shared_job(transaction, job, bytes, state_.server, request);
     });

@@ -86,7 +86,10 @@ std::vector<fs::path> content_of_shared(const DataPaths& paths) {
 }
 
 bool has_rows(pqxx::work& transaction) {
-  return transaction.exec1("SELECT EXISTS (SELECT 1 FROM meshes) OR EXISTS (SELECT 1 FROM jobs)")[0].as<bool>();
+  return transaction
+      .exec1(
+          "SELECT EXISTS (SELECT 1 FROM meshes) OR EXISTS (SELECT 1 FROM families) OR EXISTS (SELECT 1 FROM jobs)")[0]
+      .as<bool>();
 }
 
 void require_empty_store(pqxx::work& transaction, const DataPaths& paths) {
@@ -120,6 +123,7 @@ class Repair {
     // Takes the jobs from lost servers: what a server that comes back reports about them is refused.
     transaction_.exec0("UPDATE jobs SET holder = '' WHERE finished = 0");
     repair_rows();
+    repair_families();
     for (const auto& file : shared_files(transaction_))
       if (const auto fault = fault_on_disk(file, folder_.paths()); !fault.empty()) repair_file(file, fault);
     const auto is_named = [this](const StoredFile& file) {
@@ -140,6 +144,14 @@ class Repair {
       const auto file = folder_.paths().request(row.id);
       write_stored_file(file, {row.request});
       folder_.quarantine(file);
+    }
+  }
+
+  void repair_families() {
+    CheckReport ignored;
+    for (const auto& [family, fault] : faulty_families(transaction_, ignored)) {
+      transaction_.exec_params("DELETE FROM families WHERE id = $1", family.id);
+      set_family_aside(folder_, family);
     }
   }
 
@@ -199,7 +211,7 @@ void replace_store(pqxx::work& transaction, const DataPaths& paths, const DataPa
     fs::create_directories(replaced_folder);
     write_rows(transaction, DataPaths{replaced_folder}.database());
   }
-  for (const char* table : {"jobs", "meshes"}) transaction.exec0("DELETE FROM " + std::string(table));
+  for (const char* table : {"jobs", "meshes", "families"}) transaction.exec0("DELETE FROM " + std::string(table));
   read_rows(transaction, Database(staging.database()));
   Moves moves;
   try {
@@ -222,6 +234,11 @@ CheckReport check_shared_store(const SharedStoreLocation& store) {
   for (auto& row : database.transaction([&](pqxx::work& rows) {
          check = {};
          return faulty_rows(rows, check);
+       }))
+    check.faults.push_back(std::move(row.fault));
+  for (auto& row : database.transaction([&](pqxx::work& rows) {
+         check.families = 0;
+         return faulty_families(rows, check);
        }))
     check.faults.push_back(std::move(row.fault));
   check_files(paths, database.catalogue(), check);

@@ -101,6 +101,17 @@ std::vector<FaultyRow> faulty_rows(pqxx::work& transaction, CheckReport& check) 
   return faulty;
 }
 
+std::vector<FaultyFamily> faulty_families(pqxx::work& transaction, CheckReport& check) {
+  std::vector<FaultyFamily> faulty;
+  for_each_row(transaction, family_columns(), "families", "true", rows_with_requests, [&](const pqxx::row& row) {
+    ++check.families;
+    auto family = read_shared_family(row);
+    if (auto fault = fault_of_family(family, text(row[6])); !fault.empty())
+      faulty.push_back({std::move(family), std::move(fault)});
+  });
+  return faulty;
+}
+
 void write_rows(pqxx::work& transaction, const std::filesystem::path& path) {
   std::filesystem::remove(path);
   Database database(path);
@@ -116,6 +127,8 @@ void write_rows(pqxx::work& transaction, const std::filesystem::path& path) {
         });
     for (const auto& row : transaction.exec("SELECT mesh, owner FROM mesh_owners"))
       owners.add(OwnerTable::Kind::mesh, text(row[0]), text(row[1]));
+    for_each_row(transaction, family_columns(), "families", "true", rows_with_requests,
+                 [&](const pqxx::row& row) { insert_family(database, read_shared_family(row), text(row[6])); });
     for_each_row(transaction, shared_job_columns() + columns_of_end, "jobs", "true", rows_with_requests,
                  [&](const pqxx::row& row) {
                    const auto job = read_shared_job(row);
@@ -151,12 +164,14 @@ void read_rows(pqxx::work& transaction, const Database& database) {
                      "SELECT owners.id, owner FROM owners JOIN meshes ON meshes.id = owners.id WHERE kind = 'mesh'");
        row.step();)
     transaction.exec_params("INSERT INTO mesh_owners (mesh, owner) VALUES ($1, $2)", row.text(0), row.text(1));
+  for (Statement row(database, "SELECT " + family_columns() + " FROM families ORDER BY sequence"); row.step();)
+    insert_shared_family(transaction, read_family(row), row.text(6));
   for (Statement row(database, "SELECT " + job_columns_to_read() +
                                    ", bytes, result_type, result_headers, result_hash, "
                                    "(SELECT content FROM requests WHERE job = jobs.id) FROM jobs ORDER BY sequence");
        row.step();) {
     const auto job = read_job(row);
-    constexpr int end = 18;  // number of columns that read_job reads
+    constexpr int end = 19;  // number of columns that read_job reads
     insert_shared_job(transaction, job, row.integer(end), {}, row.text(end + 4));
     transaction.exec_params("UPDATE jobs SET result_type = $2, result_headers = $3, result_hash = $4 WHERE id = $1",
                             job.id, row.text(end + 1), row.text(end + 2), row.text(end + 3));

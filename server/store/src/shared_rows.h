@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "database.h"
+#include "family_rows.h"
 #include "stored_files.h"
 #include "supple/store/maintenance.h"
 
@@ -27,6 +28,9 @@ struct FaultyRow {
 
 /// Checks each job, and each request that is in the database. The requests are counted in `check`.
 std::vector<FaultyRow> faulty_rows(pqxx::work& transaction, CheckReport& check);
+
+/// The rows of families that do not have their hash. The families are counted in `check`.
+std::vector<FaultyFamily> faulty_families(pqxx::work& transaction, CheckReport& check);
 
 /// Writes all rows into a new database of a data folder, in the tables of LocalStore.
 void write_rows(pqxx::work& transaction, const std::filesystem::path& database);

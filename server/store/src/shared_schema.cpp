@@ -20,7 +20,9 @@ constexpr const char* table_lock = "SELECT pg_advisory_xact_lock(hashtextextende
 constexpr const char* shared_table_lock = "SELECT pg_advisory_xact_lock_shared(hashtextextended('supple tables', 0))";
 
 /// Columns that were added to tables of version 1. A server that does not know them writes rows with their defaults.
-constexpr const char* later_shared_columns = "ALTER TABLE jobs ADD COLUMN priority text NOT NULL DEFAULT 'normal'";
+constexpr const char* later_shared_columns =
+    "ALTER TABLE jobs ADD COLUMN IF NOT EXISTS priority text NOT NULL DEFAULT 'normal', "
+    "ADD COLUMN IF NOT EXISTS families text NOT NULL DEFAULT ''";
 
 /// In "jobs", `holder` is the server that has the lease of the job, empty where none has. `hold` is the fencing token.
 constexpr const char* shared_tables = R"(
@@ -46,6 +48,18 @@ CREATE TABLE IF NOT EXISTS mesh_owners (
   PRIMARY KEY (mesh, owner)
 );
 CREATE INDEX IF NOT EXISTS owned_meshes ON mesh_owners (owner);
+CREATE TABLE IF NOT EXISTS families (
+  sequence bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY,
+  id text NOT NULL UNIQUE,
+  owner text NOT NULL,
+  name text NOT NULL,
+  created bigint NOT NULL,
+  definition text NOT NULL,
+  description text NOT NULL,
+  hash text NOT NULL,
+  bytes bigint NOT NULL,
+  UNIQUE (owner, name)
+);
 CREATE TABLE IF NOT EXISTS jobs (
   sequence bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY,
   id text NOT NULL UNIQUE,
@@ -76,7 +90,8 @@ CREATE TABLE IF NOT EXISTS jobs (
   stage text NOT NULL DEFAULT '',
   partial text NOT NULL DEFAULT '',
   revision bigint NOT NULL DEFAULT 1,
-  priority text NOT NULL DEFAULT 'normal'
+  priority text NOT NULL DEFAULT 'normal',
+  families text NOT NULL DEFAULT ''
 );
 CREATE INDEX IF NOT EXISTS unfinished_jobs ON jobs (sequence) WHERE finished = 0;
 CREATE INDEX IF NOT EXISTS held_jobs ON jobs (holder) WHERE finished = 0;
@@ -107,14 +122,17 @@ void require_no_own_database(const DataPaths& paths) {
 bool is_complete(pqxx::work& transaction) {
   return transaction
       .exec1(
-          "SELECT to_regclass('store') IS NOT NULL AND EXISTS "
-          "(SELECT 1 FROM pg_attribute WHERE attrelid = to_regclass('jobs') AND attname = 'priority')")[0]
+          "SELECT to_regclass('store') IS NOT NULL AND to_regclass('families') IS NOT NULL AND "
+          "(SELECT count(*) FROM pg_attribute WHERE attrelid = to_regclass('jobs') AND attname IN ('priority', "
+          "'families')) = 2")[0]
       .as<bool>();
 }
 
-/// Altering a table waits for all others who use it, so that it is done only where a column is missing. The caller has
-/// the `table_lock`.
-void add_later_columns(pqxx::work& transaction) {
+/// Adds tables and columns that are missing. Altering a table waits for all others who use it, so that it is done only
+/// where something is missing. The caller has the `table_lock`.
+void add_what_is_missing(pqxx::work& transaction) {
+  if (is_complete(transaction)) return;
+  transaction.exec0(shared_tables);
   if (!is_complete(transaction)) transaction.exec0(later_shared_columns);
 }
 
@@ -137,8 +155,7 @@ void prepare_shared_tables(Postgres& database, const DataFolder& folder) {
   database.transaction([&](pqxx::work& transaction) {
     if (!is_complete(transaction)) {
       transaction.exec(table_lock);
-      transaction.exec0(shared_tables);
-      add_later_columns(transaction);
+      add_what_is_missing(transaction);
     }
     if (const auto rows = transaction.exec(version_and_id); !rows.empty()) {
       require_version_and_folder(rows[0], paths);
@@ -161,7 +178,7 @@ void require_shared_tables(pqxx::work& transaction, const DataPaths& paths) {
   require_version_and_folder(rows[0], paths);
   if (is_complete(transaction)) return;
   transaction.exec(table_lock);
-  add_later_columns(transaction);  // unless somebody else has done so meanwhile
+  add_what_is_missing(transaction);  // unless somebody else has done so meanwhile
 }
 
 void lock_out_servers(pqxx::work& transaction) {
@@ -175,18 +192,18 @@ void lock_out_servers(pqxx::work& transaction) {
   };
   require_none();  // fails before the locks, which a busy server would delay
   transaction.exec(table_lock);
-  transaction.exec0("LOCK TABLE servers, meshes, mesh_owners, jobs IN EXCLUSIVE MODE");
+  transaction.exec0("LOCK TABLE servers, meshes, mesh_owners, families, jobs IN EXCLUSIVE MODE");
   require_none();
 }
 
 void lock_out_changes(pqxx::work& transaction) {
   transaction.exec(shared_table_lock);
-  transaction.exec0("LOCK TABLE meshes, mesh_owners, jobs IN SHARE MODE");
+  transaction.exec0("LOCK TABLE meshes, mesh_owners, families, jobs IN SHARE MODE");
 }
 
 std::string shared_job_columns() {
   return "jobs.id, kind, mesh, state, created, started, finished, expires, deadline, error, error_status, client, "
-         "session, owner, attempts, idempotency_key, request_hash, priority, hold";
+         "session, owner, attempts, idempotency_key, request_hash, priority, families, hold";
 }
 
 JobRecord read_shared_job(const pqxx::row& row) {
@@ -212,6 +229,7 @@ JobRecord read_shared_job(const pqxx::row& row) {
   job.idempotency_key = text();
   job.request_hash = text();
   job.priority = priority_of(text()).value_or(Priority::normal);
+  job.families = text();
   job.fencing_token = integer();
   return job;
 }
@@ -220,18 +238,33 @@ bool insert_shared_job(pqxx::work& transaction, const JobRecord& job, std::int64
                        const std::string& request) {
   const auto rows = transaction.exec_params(
       "INSERT INTO jobs (id, kind, mesh, state, created, started, finished, expires, deadline, error, error_status, "
-      "client, session, owner, attempts, idempotency_key, request_hash, bytes, holder, hold, priority) VALUES ($1, $2, "
-      "$3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17, $18, $19, $20, $21) ON CONFLICT DO NOTHING",
+      "client, session, owner, attempts, idempotency_key, request_hash, bytes, holder, hold, priority, families) "
+      "VALUES "
+      "($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17, $18, $19, $20, $21, $22) "
+      "ON CONFLICT DO NOTHING",
       job.id, job.kind, job.mesh, std::string(state_name(job.state)), job.created, job.started, job.finished,
       job.expires, job.deadline, job.error, job.error_status, job.client, job.session, job.owner, job.attempts,
-      job.idempotency_key, job.request_hash, bytes, holder, job.fencing_token,
-      std::string(priority_name(job.priority)));
+      job.idempotency_key, job.request_hash, bytes, holder, job.fencing_token, std::string(priority_name(job.priority)),
+      job.families);
   if (rows.affected_rows() == 0) return false;
   if (!request.empty()) {
     transaction.exec_params("UPDATE jobs SET request = $2 WHERE id = $1", job.id,
                             pqxx::binarystring(request.data(), request.size()));
   }
   return true;
+}
+
+FamilyRecord read_shared_family(const pqxx::row& row) {
+  return {row[0].c_str(), row[1].c_str(), row[2].c_str(), row[3].as<std::int64_t>(), row[4].c_str(), row[5].c_str()};
+}
+
+bool insert_shared_family(pqxx::work& transaction, const FamilyRecord& family, const std::string& hash) {
+  return transaction
+             .exec_params("INSERT INTO families (" + family_columns() +
+                              ", bytes) VALUES ($1, $2, $3, $4, $5, $6, $7, $8) ON CONFLICT (owner, name) DO NOTHING",
+                          family.id, family.owner, family.name, family.created, family.definition, family.description,
+                          hash, bytes_of_family(family))
+             .affected_rows() > 0;
 }
 
 std::string shared_result_stem(const std::string& id, std::int64_t fencing_token) {

@@ -118,6 +118,9 @@ OwnerUsage SharedState::owner_usage(const std::string& owner, const std::string&
                 "WHERE owner = $1",
                 owner)[0]
             .as<std::int64_t>();
+    owner_usage.families =
+        transaction.exec_params1("SELECT coalesce(sum(bytes), 0)::bigint FROM families WHERE owner = $1", owner)[0]
+            .as<std::int64_t>();
     const auto jobs = transaction.exec_params1(
         "SELECT coalesce(sum(bytes) FILTER (WHERE finished > 0), 0)::bigint, "
         "coalesce(sum(bytes) FILTER (WHERE finished = 0), 0)::bigint FROM jobs WHERE owner = $1 AND id <> $2",

@@ -125,6 +125,7 @@ std::size_t SharedState::remove_jobs(const std::string& sequences, const Values&
 }
 
 std::unique_ptr<MeshStore> make_shared_meshes(SharedState& state);
+std::unique_ptr<FamilyStore> make_shared_families(SharedState& state);
 std::unique_ptr<JobStore> make_shared_jobs(SharedState& state);
 std::unique_ptr<BlobStore> make_shared_blobs(SharedState& state);
 std::unique_ptr<LeaseStore> make_shared_leases(SharedState& state);

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 /// Bytes by which the rows of a new file let the database's log grow: a few pages each.
 constexpr std::int64_t bytes_of_rows = 64 << 10;
 
-constexpr std::array<std::string_view, 3> names{"mesh", "result", "request"};
+constexpr std::array<std::string_view, 4> names{"mesh", "result", "request", "family"};
 
 /// Bytes of the files in a folder and below it. Files that vanish meanwhile do not count.
 std::int64_t bytes_of_files(const fs::path& folder) {
@@ -52,7 +52,16 @@ std::int64_t default_quota(const fs::path& folder) {
 }
 
 std::int64_t& bytes_of_category(Usage& usage, Category category) {
-  return category == Category::meshes ? usage.meshes : category == Category::results ? usage.results : usage.requests;
+  switch (category) {
+    case Category::meshes:
+      return usage.meshes;
+    case Category::results:
+      return usage.results;
+    case Category::requests:
+      return usage.requests;
+    default:
+      return usage.database;
+  }
 }
 
 void UsageCounter::count() {
@@ -132,8 +141,9 @@ void refuse_owner(const std::string& owner, const OwnerUsage& owner_usage, Categ
               "With this " + std::string(names.at(static_cast<std::size_t>(category))) + " of " +
                   std::to_string(bytes) + " bytes the key " + owner + " would hold " + std::to_string(value) +
                   " bytes, its limit is " + std::to_string(limit) + "; its meshes take " +
-                  std::to_string(owner_usage.meshes) + ", its results " + std::to_string(owner_usage.results) +
-                  " and requests of its jobs " + std::to_string(owner_usage.requests),
+                  std::to_string(owner_usage.meshes) + ", its families " + std::to_string(owner_usage.families) +
+                  ", its results " + std::to_string(owner_usage.results) + " and requests of its jobs " +
+                  std::to_string(owner_usage.requests),
               limit, value, "--max-stored");
 }
 

@@ -10,8 +10,8 @@
 
 namespace supple::store {
 
-/// The kinds of files whose bytes are counted.
-enum class Category { meshes, results, requests };
+/// The kinds of what is stored whose bytes are counted. Families are rows of the database.
+enum class Category { meshes, results, requests, families };
 
 /// The bytes of files of a category in `usage`.
 std::int64_t& bytes_of_category(Usage& usage, Category category);

@@ -81,6 +81,7 @@ class TestStore final : public store::Store {
  public:
   explicit TestStore(const std::filesystem::path& folder) : real_(folder), hooked_jobs(real_.jobs()) {}
   store::MeshStore& meshes() const override { return real_.meshes(); }
+  store::FamilyStore& families() const override { return real_.families(); }
   store::JobStore& jobs() const override { return hooked_jobs; }
   store::BlobStore& blobs() const override { return real_.blobs(); }
   store::LeaseStore* leases() const override { return own_leases ? &*own_leases : nullptr; }

@@ -116,6 +116,34 @@ TEST_F(SharedStoreTest, AddsTheColumnsThatTablesOfAnEarlierVersionLack) {
   EXPECT_EQ(store.jobs().job("new")->priority, Priority::interactive);
 }
 
+TEST_F(SharedStoreTest, AFamilyIsThatOfAllServersAndStaysWhileAJobOfAnyNeedsIt) {
+  SharedStore one(options());
+  SharedStore two(options());
+  const FamilyRecord family{random_id(), "a", "own", now_milliseconds(), "{}", "{}"};
+  EXPECT_TRUE(one.families().add_family(family).second);
+  EXPECT_FALSE(two.families().add_family(family).second);
+  EXPECT_EQ(two.families().family("a", "own")->id, family.id);
+  auto job = new_job("job", "a");
+  job.families = family.id;
+  ASSERT_TRUE(two.jobs().add_job(job, "request"));
+  EXPECT_EQ(one.jobs().job("job")->families, family.id);
+  EXPECT_EQ(code_of([&] { one.families().remove_family("a", "own"); }), "family.in_use");
+  ASSERT_TRUE(two.jobs().finish_job(ended(job), nullptr));
+  EXPECT_TRUE(one.families().remove_family("a", "own"));
+  EXPECT_TRUE(two.families().families("a").empty());
+  auto late = new_job("late", "a");
+  late.families = family.id;
+  EXPECT_EQ(code_of([&] { two.jobs().add_job(late, "request"); }), "tiling.family_not_found");
+}
+
+TEST_F(SharedStoreTest, ADatabaseOfAnEarlierVersionGetsFamilies) {
+  { const SharedStore store(options()); }
+  PrivatePostgres::rows(database_, "DROP TABLE families");
+  PrivatePostgres::rows(database_, "ALTER TABLE jobs DROP COLUMN families");
+  SharedStore store(options());
+  EXPECT_TRUE(store.families().add_family({random_id(), "", "own", 1, "{}", "{}"}).second);
+}
+
 TEST_F(SharedStoreTest, TellsOtherServersHowFarAJobIs) {
   SharedStore one(options());
   SharedStore two(options());

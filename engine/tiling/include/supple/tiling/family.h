@@ -64,6 +64,9 @@ inline constexpr double printed_beam_width = 0.3;
 /// [Thesis, section 4.4.3].
 const std::vector<Family>& families();
 
+/// The family with an id, or null.
+const Family* find_family(std::string_view id);
+
 /// The family with an id. Throws "tiling.family_not_found", which lists all families.
 const Family& family(std::string_view id);
 

@@ -35,6 +35,7 @@ struct Computation {
   /// Urgent computations start first. Computations in the background run on workers of their own, whose threads have a
   /// lower priority.
   Priority priority = Priority::normal;
+  std::string families{};  ///< ids of the added families that it needs, as in store::JobRecord
 };
 
 /// Where an immediate computation's time and memory went.

@@ -10,6 +10,7 @@
 #include "supple/json/limits.h"
 #include "supple/json/name_table.h"
 #include "supple/tiling/definition_check.h"
+#include "supple/tiling/tile_drawing.h"
 
 /// The check of a family's definition as request and answer; the request is read like those of requests.h.
 namespace supple::json {
@@ -30,6 +31,19 @@ struct FamilyCheckRequest {
 };
 FamilyCheckRequest parse_family_check(std::string_view body, const Limits& limits,
                                       const CancellationToken& cancellation = {});
+
+/// A family that is to be added: a definition, or the drawing of a tile.
+struct FamilyUpload {
+  std::optional<tiling::FamilyDefinition> definition;
+  std::string svg;              ///< text of the drawing; empty where there is a definition
+  tiling::TileDrawing drawing;  ///< what is said about the drawing, without its outline
+  double deadline = 0;          ///< seconds; set also where the request leaves it out
+};
+FamilyUpload parse_family_upload(std::string_view body, const Limits& limits,
+                                 const CancellationToken& cancellation = {});
+
+/// The answer to an upload; `family` is that of `write_family`.
+std::string write_added_family(const std::string& family, const std::vector<tiling::DefinitionFinding>& warnings);
 
 /// The tiling at the parameters of a request.
 struct DrawnTiling {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,10 +14,12 @@
 /// The answers about structures as JSON text; they throw like those of answers.h.
 namespace supple::json {
 
-/// `presets` has the structure of each family at its default parameters.
-std::string write_families(const std::vector<tiling::Structure>& presets);
-/// One family, `preset` being its structure at the default parameters.
-std::string write_family(const tiling::Structure& preset);
+/// `families` are answers of `write_family`.
+std::string write_families(const std::vector<std::string>& families);
+/// One family, `preset` being its structure at the default parameters. `created` is when it was added, in milliseconds
+/// since 1970; nothing where it comes with the server.
+std::string write_family(const tiling::Family& family, const tiling::Structure& preset,
+                         std::optional<std::int64_t> created);
 
 /// What the answer says about the mesh of one cell.
 struct MeshedCell {

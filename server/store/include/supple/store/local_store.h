@@ -40,6 +40,7 @@ class LocalStore final : public Store {
   ~LocalStore() override;
 
   MeshStore& meshes() const override;
+  FamilyStore& families() const override;
   JobStore& jobs() const override;
   BlobStore& blobs() const override;
   void refill_reserve() override;

@@ -14,6 +14,7 @@ namespace supple::store {
 /// What a check of a data folder has found.
 struct CheckReport {
   std::size_t meshes = 0;           ///< number that the database names
+  std::size_t families = 0;         ///< number that the database has
   std::size_t results = 0;          ///< number that the database names
   std::size_t requests = 0;         ///< number of requests of unfinished jobs
   std::vector<std::string> faults;  ///< sentences, each of which names a file
@@ -26,9 +27,9 @@ CheckReport check_folder(const std::filesystem::path& folder);
 
 /// Repairs a data folder that no server uses, and returns what was wrong with it. It first does what every start does
 /// (see LocalStore). Then it moves each file that does not have its hash into quarantine. The row of a damaged mesh is
-/// removed, so that the mesh can be uploaded again. A job whose result is damaged has failed; `problem` makes its error
-/// of a sentence. A job whose request is damaged is interrupted at the next start. Nothing is deleted. O(bytes stored).
-/// Throws as LocalStore does.
+/// removed, so that the mesh can be uploaded again; that of a damaged family too. A job whose result is damaged has
+/// failed; `problem` makes its error of a sentence. A job whose request is damaged is interrupted at the next start.
+/// Nothing is deleted. O(bytes stored). Throws as LocalStore does.
 CheckReport repair_folder(const std::filesystem::path& folder, const LocalStore::Recovery& recovery,
                           const std::function<std::string(const std::string& sentence)>& problem);
 

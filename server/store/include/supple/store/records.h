@@ -20,6 +20,16 @@ struct MeshRecord {
   std::string description;
 };
 
+/// A family of tilings that a client has added.
+struct FamilyRecord {
+  std::string id;            ///< 128 random bits, hexadecimal; a family that is added again gets another one
+  std::string owner;         ///< id of the key that added it; empty where none was needed
+  std::string name;          ///< unique among the families of its owner
+  std::int64_t created = 0;  ///< milliseconds since 1970
+  std::string definition;    ///< the family as JSON
+  std::string description;   ///< the JSON that clients get
+};
+
 enum class JobState { accepted, running, successful, failed, dismissed };
 
 std::string_view state_name(JobState state);
@@ -48,6 +58,7 @@ struct JobRecord {
   std::string idempotency_key;  ///< hash of the access key and the idempotency key; empty where none was sent
   std::string request_hash;     ///< hash of the request that came with that key
   Priority priority = Priority::normal;
+  std::string families;            ///< ids of the added families that it needs, separated by commas
   std::int64_t fencing_token = 0;  ///< number of its lease, in a shared store
 };
 

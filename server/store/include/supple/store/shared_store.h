@@ -39,6 +39,7 @@ class SharedStore final : public Store {
   ~SharedStore() override;
 
   MeshStore& meshes() const override;
+  FamilyStore& families() const override;
   JobStore& jobs() const override;
   BlobStore& blobs() const override;
   LeaseStore* leases() const override;

@@ -22,8 +22,8 @@ std::string sha256(std::string_view bytes, const CancellationToken& cancellation
 struct Quota {
   std::int64_t bytes = 0;       ///< bytes of the whole data folder; setting --max-store
   std::int64_t mesh_bytes = 0;  ///< bytes of meshes; setting --max-mesh-bytes
-  /// Limit for one owner: the meshes that it owns, each counted in full, and results and requests of its jobs; setting
-  /// --max-stored of its key. Called from any thread.
+  /// Limit for one owner: the meshes that it owns, each counted in full, its families, and results and requests of its
+  /// jobs; setting --max-stored of its key. Called from any thread.
   std::function<std::int64_t(const std::string& owner)> owner_limit{};
 };
 
@@ -36,7 +36,7 @@ struct Usage {
   std::int64_t meshes = 0;
   std::int64_t results = 0;
   std::int64_t requests = 0;    ///< files of requests of unfinished jobs
-  std::int64_t database = 0;    ///< with its log and its index, and the reserve file for a full disk
+  std::int64_t database = 0;    ///< with its log and its index, all families, and the reserve file for a full disk
   std::int64_t quarantine = 0;  ///< counted at the start and at each removal of expired jobs
   std::int64_t limit = 0;       ///< limit for the total; 0: none
   std::int64_t mesh_limit = 0;  ///< limit for meshes; 0: none
@@ -77,13 +77,35 @@ class MeshStore {
   virtual bool may_have_mesh(const std::string& /*id*/) const { return true; }
 };
 
+/// Families of tilings that clients have added. Each owner has its own, which nobody else sees. They are rows of the
+/// database, since a definition has a few kilobytes.
+class FamilyStore {
+ public:
+  /// Number of families that one owner may have.
+  static constexpr std::int64_t max_families = 256;
+
+  virtual ~FamilyStore() = default;
+
+  /// Stores a family, which gets its id here, durably once this returns. Returns the record, and whether it is new: a
+  /// family of the owner with the same name and definition does not change. Throws "family.exists" where the owner has
+  /// another family of this name, "family.too_many", "store.quota" and "store.key_quota".
+  virtual std::pair<FamilyRecord, bool> add_family(FamilyRecord family) = 0;
+  /// Throws "store.corrupted" for a row that has changed since it was written.
+  virtual std::optional<FamilyRecord> family(const std::string& owner, const std::string& name) const = 0;
+  /// All families of an owner, the oldest first. Their content is not compared with its hash.
+  virtual std::vector<FamilyRecord> families(const std::string& owner) const = 0;
+  /// Removes a family; false where there was none. Throws "family.in_use" where an unfinished job needs it.
+  virtual bool remove_family(const std::string& owner, const std::string& name) = 0;
+};
+
 /// Jobs and their owners.
 class JobStore {
  public:
   virtual ~JobStore() = default;
 
   /// Adds a job with its owner; durable once this returns. `request` is what store_request has returned. False, and
-  /// nothing is added, where another job has the same idempotency key.
+  /// nothing is added, where another job has the same idempotency key. Throws "tiling.family_not_found" where a family
+  /// that the job needs was removed meanwhile.
   virtual bool add_job(const JobRecord& job, const std::string& request = {}) = 0;
   /// Stores state, start and attempts of an unfinished job; does nothing for a finished one. They survive the end of
   /// the process, but not necessarily of the machine. In a shared store, a job in the state "accepted" is given back
@@ -148,7 +170,7 @@ class LeaseStore {
   virtual bool has_unfinished_job_on(const std::string& mesh) const = 0;
 };
 
-/// Durable storage of meshes and jobs, in parts.
+/// Durable storage of meshes, families and jobs, in parts.
 ///
 /// If new bytes would exceed the quota, the oldest results expire. Where that does not free enough, ProblemError
 /// "store.quota" is thrown. The limit of one owner works alike, with its own results and "store.key_quota".
@@ -175,6 +197,7 @@ class Store {
   virtual void refill_reserve() = 0;
   /// The bytes that are stored now. Takes a few microseconds.
   virtual Usage usage() const = 0;
+  virtual FamilyStore& families() const = 0;
 };
 
 }  // namespace supple::store
