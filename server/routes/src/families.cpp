@@ -65,9 +65,9 @@ std::string place_of(const tiling::DefinitionFinding& finding) {
 [[noreturn]] void throw_faulty(const std::vector<tiling::DefinitionFinding>& faults) {
   std::vector<Error::Detail> details;
   for (const auto& fault : faults) details.push_back({"/definition/" + fault.where, fault.message + place_of(fault)});
-  throw Error("family.faulty",
-              "The definition is not one of a family: " + details.front().where + " " + details.front().message + ".",
-              std::move(details));
+  const std::string sentence =
+      "The definition is not one of a family: " + details.front().where + " " + details.front().message + ".";
+  throw Error("family.faulty", sentence, std::move(details));
 }
 
 /// Throws "family.exists" for the names of families that come with the server, and for what designs call all families.
