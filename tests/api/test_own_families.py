@@ -103,7 +103,7 @@ def test_beams_that_close_the_tile_are_a_fault(api: Api) -> None:
 @pytest.mark.parametrize("document", [{}, {"definition": 1}, {"definition": {}}, {"definition": {**slanted("a b")}}, {"definition": slanted("x"), "more": 1}])
 def test_bad_uploads_are_refused(api: Api, document: Any) -> None:
     response = api.post(FAMILIES, document, faulty=True)
-    assert (response.status_code, problem_code(response)) == (422, "request.invalid")
+    assert (response.status_code, problem_code(response)) == (400, "request.invalid")
     assert api.call("POST", FAMILIES, body=b"{}", headers={"Content-Type": "text/plain"}, faulty=True).status_code == 415
 
 
@@ -114,9 +114,9 @@ def test_structures_simulations_and_parts_take_an_added_family(api: Api, own: st
     assert ET.fromstring(drawn.content).tag.endswith("svg")
     assert drawn.headers["Cache-Control"] == "private, no-cache", "another family may get its id"
     states = api.ok("/v1/simulations", {"family": own, "load": {"green_strain": [[0.01, 0, 0]]}})["states"]
-    assert states[0]["converged"]
+    assert len(states) == 1 and states[0]["energy_density"] > 0
     part = api.ok("/v1/parts", {"structure": {"family": own}, "outline": {"rectangle": [20, 20]}})
-    assert part["area"] > 0
+    assert part["relative_density"] > 0
     outside = api.post("/v1/structures", {"family": own, "parameters": [0.9]})
     assert (outside.status_code, problem_code(outside)) == (422, "tiling.parameter_out_of_bounds")
 
@@ -358,7 +358,7 @@ SQUARE = "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 100 100'><path d=
 ])
 def test_drawings_that_are_no_tile_of_the_type_are_refused(api: Api, svg: str, type_: str, code: str, said: str) -> None:
     response = api.post(FAMILIES, {"svg": svg, "type": type_, "id": "drawn"})
-    assert (response.status_code, problem_code(response)) == (422, code), response.text
+    assert (response.status_code, problem_code(response)) == (400 if code == "request.invalid" else 422, code), response.text
     assert said in response.text
     assert pointers(response) == ["/type" if code == "request.invalid" else "/svg"]
     assert "drawn" not in ids(api)
