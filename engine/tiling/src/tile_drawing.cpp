@@ -43,6 +43,7 @@ struct VertexChoice {
   Eigen::VectorXd parameters;
   double vertex_misfit = INFINITY;  ///< as in max_vertex_misfit
   double edge_misfit = INFINITY;    ///< as in max_edge_misfit
+  double departure = 0;             ///< distance of the parameters from the type's defaults
   bool reflected = false;
 };
 
@@ -68,6 +69,8 @@ class VertexFit {
     const Eigen::VectorXd found = system.completeOrthogonalDecomposition().solve(constants);
     const double scale = found.head<2>().norm();
     choice.parameters = found.tail(parameters);
+    choice.departure =
+        (choice.parameters - Eigen::Map<const Eigen::VectorXd>(type_.defaults.data(), parameters)).norm();
     choice.vertex_misfit = (system * found - constants).norm() / std::sqrt(static_cast<double>(n)) /
                            std::max(scale * std::sqrt(area(outline_)), 1e-9);
   }
@@ -134,11 +137,18 @@ double number_of_choices(std::size_t corners, std::size_t count) {
   return choices;
 }
 
+/// Weight of the distance of the parameters from the type's defaults. It decides between choices that fit equally well,
+/// such as images of each other under a symmetry of the tile: far from the defaults copies of a tile may overlap.
+constexpr double weight_of_departure = 1e-4;
+
 /// Whether the first choice fits better: the edges decide among those whose vertices fit.
 bool is_better(const VertexChoice& a, const VertexChoice& b) {
   const bool fits = a.vertex_misfit <= max_vertex_misfit;
   if (fits != (b.vertex_misfit <= max_vertex_misfit)) return fits;
-  return fits ? a.edge_misfit + a.vertex_misfit < b.edge_misfit + b.vertex_misfit : a.vertex_misfit < b.vertex_misfit;
+  const auto misfit = [](const VertexChoice& choice) {
+    return choice.edge_misfit + choice.vertex_misfit + weight_of_departure * choice.departure;
+  };
+  return fits ? misfit(a) < misfit(b) : a.vertex_misfit < b.vertex_misfit;
 }
 
 void search(const IsohedralType& type, const Polygon& outline, bool reflected, const Execution& execution,

@@ -14,8 +14,8 @@ struct TileDrawing {
   int isohedral_type = 0;  ///< one of the 81 numbers
   std::string id;          ///< of the family
   std::string description;
-  double reach = 0.05;                ///< tiling units; the parameters' bounds lie so far from the drawn tile's
-  std::optional<double> beam_width;   ///< tiling units; without it 5 % of the square root of the tile's area
+  double reach = 0.05;                 ///< tiling units; the parameters' bounds lie so far from the drawn tile's
+  std::optional<double> beam_width{};  ///< tiling units; without it 5 % of the square root of the tile's area
   bool has_shape_parameters = false;  ///< whether each curved shape gets a parameter that its height is proportional to
 };
 
