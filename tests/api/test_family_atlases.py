@@ -114,6 +114,50 @@ def test_a_key_that_may_only_read_starts_no_computation(tmp_path: Path, contract
         process.stop()
 
 
+def test_the_atlas_of_an_added_family_is_that_of_its_own_definition(tmp_path: Path, contract: Any) -> None:
+    keys = [added_key(tmp_path / "data", scopes) for scopes in ("read,compute", "compute,read", "read")]
+    process = ServerProcess(tmp_path / "data").start()
+    alice, bob, reader = (Api(process, contract, key) for key in keys)
+    atlas = "/v1/families/mine/atlas"
+
+    def is_computed_anew(api: Api) -> bool:
+        """Whether no atlas is kept. The job that would compute it is dismissed."""
+        response = api.get(atlas, headers={"Prefer": "respond-async"})
+        if response.status_code == 200:
+            return False
+        job = response.headers["Location"]
+        assert problem_code(api.delete("/v1/families/mine")) == "family.in_use"
+        api.delete(job)
+        return api.wait_for_job(job.rsplit("/", 1)[1])["state"] == "dismissed"
+
+    try:
+        for api, lower in ((alice, 0.1), (bob, 0.15)):
+            assert api.post("/v1/families", {"definition": rectangles(lower, 0.2, "mine")}).status_code == 201
+        first = alice.ok(ATLASES, {"family": "mine"})
+        assert (first["family"], first["kept"], first["crossings"], first["parameters"]["lower"]) == ("mine", False, False, [0.1])
+        again = alice.get(atlas).json()
+        assert again["kept"] and again["samples"] == first["samples"] and again["definition"]["id"] == "mine"
+        with supple.Client(process.url, key=keys[0]) as client:
+            assert client.family_atlas(family="mine").kept
+        assert is_computed_anew(bob), "another key's family of the same name has another atlas"
+        his = bob.ok(ATLASES, {"family": "mine", "samples": 4, "error_samples": 0})
+        assert not his["kept"] and his["parameters"]["lower"] == [0.15]
+        assert is_computed_anew(bob), "an atlas with fewer samples is not kept"
+        unknown = reader.get(atlas)
+        assert (unknown.status_code, problem_code(unknown)) == (404, "tiling.family_not_found")
+        unknown = reader.get("/v1/families/none/atlas")
+        assert (unknown.status_code, "mine" in unknown.json()["detail"]) == (404, False)
+        process.terminate()
+        process.start()
+        assert alice.get(atlas).json()["samples"] == first["samples"]
+        assert alice.delete("/v1/families/mine").status_code == 204
+        assert alice.get(atlas).status_code == 404
+        assert alice.post("/v1/families", {"definition": rectangles(0.12, 0.2, "mine")}).status_code == 201
+        assert is_computed_anew(alice), "a family that is added under the name of a removed one has another atlas"
+    finally:
+        process.stop()
+
+
 def test_a_deadline_answers_with_what_was_done(api: Api) -> None:
     atlas = api.ok(ATLASES, {"family": "IH50", "samples": 4096, "deadline": 3, "recompute": True})
     assert atlas["stopped"] == "deadline" and 0 < len(atlas["samples"]) < 4096 and atlas["profiles"]

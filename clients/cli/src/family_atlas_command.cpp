@@ -115,19 +115,21 @@ void run(const GlobalOptions& options, const AtlasArguments& arguments) {
 
 }  // namespace
 
-CLI::App* add_family_atlas_command(CLI::App& families, const GlobalOptions& options) {
+void add_family_atlas_command(CLI::App& families, const GlobalOptions& options) {
   const auto arguments = std::make_shared<AtlasArguments>();
   CLI::App* command = families.add_subcommand("atlas", "What a family can do at rest, and what it adds to the others");
   command
       ->add_option("family", arguments->subject,
-                   "Family, isohedral type such as type-16, or file with a definition of a family")
+                   "Family of the server or of one's own, isohedral type such as type-16, or file with a definition")
       ->required();
   command->add_option("--samples", arguments->samples, "Points of the bounds (256)")->check(CLI::PositiveNumber);
   command->add_option("--mesh-size", arguments->mesh_size, "Sides of triangles in beam widths (1)")
       ->check(CLI::PositiveNumber);
   command->add_option("--error-samples", arguments->error_samples, "Samples at which the mesh's error is measured (8)")
       ->check(CLI::NonNegativeNumber);
-  command->add_option("--crossings", arguments->crossings, "Solve tilings that cross themselves (on for families)")
+  command
+      ->add_option("--crossings", arguments->crossings,
+                   "Solve tilings that cross themselves (on for families of the server)")
       ->check(CLI::IsMember({"on", "off"}));
   command->add_flag("--recompute", arguments->recompute, "Compute it even if the server has it");
   command
@@ -138,7 +140,6 @@ CLI::App* add_family_atlas_command(CLI::App& families, const GlobalOptions& opti
   command->add_option("-o,--output", arguments->output, "Write the atlas as JSON to this file, - for the terminal");
   command->footer("Examples:\n  supple families atlas IH21\n  supple families atlas type-16 --output type16.json");
   command->callback([&options, arguments] { run(options, *arguments); });
-  return command;
 }
 
 }  // namespace supple::cli

@@ -7,6 +7,6 @@
 namespace supple::cli {
 
 /// Adds `families atlas` to the command `families`.
-CLI::App* add_family_atlas_command(CLI::App& families, const GlobalOptions& options);
+void add_family_atlas_command(CLI::App& families, const GlobalOptions& options);
 
 }  // namespace supple::cli

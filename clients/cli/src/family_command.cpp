@@ -92,15 +92,7 @@ void run(const GlobalOptions& options, const std::string& family) {
   family.empty() ? list_families(answer.at("families")) : print_family(answer);
 }
 
-/// What is done with families of one's own.
-void add_family_subcommands(CLI::App& families, const GlobalOptions& options) {
-  families.require_subcommand(0, 1);
-  const auto named = std::make_shared<std::string>();
-  families.add_subcommand("list", "List the families of tilings, one's own after those of the server")
-      ->callback([&options] { run(options, {}); });
-  CLI::App* show = families.add_subcommand("show", "Describe a family");
-  show->add_option("family", *named, "Id of the family")->required();
-  show->callback([&options, named] { run(options, *named); });
+void add_add_command(CLI::App& families, const GlobalOptions& options) {
   CLI::App* add = families.add_subcommand("add", "Add a family of one's own, which is checked and stored");
   const auto added = std::make_shared<NewFamily>();
   add->add_option("file", added->file, "File with the definition of a family, or with --type an SVG drawing of a tile")
@@ -109,7 +101,21 @@ void add_family_subcommands(CLI::App& families, const GlobalOptions& options) {
   CLI::Option* id = add->add_option("--id", added->id, "Id of the family of the drawn tile");
   type->needs(id);
   id->needs(type);
+  add->footer("Examples:\n  supple families add family.json\n  supple families add tile.svg --type IH41 --id own");
   add->callback([&options, added] { add_family(options, *added); });
+}
+
+/// What is done with families, in the order in which the help lists it.
+void add_family_subcommands(CLI::App& families, const GlobalOptions& options) {
+  families.require_subcommand(0, 1);
+  const auto named = std::make_shared<std::string>();
+  families.add_subcommand("list", "List the families of tilings, one's own after those of the server")
+      ->callback([&options] { run(options, {}); });
+  CLI::App* show = families.add_subcommand("show", "Describe a family");
+  show->add_option("family", *named, "Id of the family")->required();
+  show->callback([&options, named] { run(options, *named); });
+  add_family_atlas_command(families, options);
+  add_add_command(families, options);
   CLI::App* remove = families.add_subcommand("remove", "Remove a family of one's own");
   remove->add_option("family", *named, "Id of the family")->required();
   remove->callback([&options, named] {
@@ -123,19 +129,18 @@ void add_family_subcommands(CLI::App& families, const GlobalOptions& options) {
 void add_family_command(CLI::App& program, const GlobalOptions& options) {
   const auto family = std::make_shared<std::string>();
   const auto file = std::make_shared<std::string>();
-  CLI::App* command = program.add_subcommand("families", "List the families of tilings, or describe one");
-  CLI::Option* described = command->add_option("family", *family, "Family to describe");
+  CLI::App* command = program.add_subcommand(
+      "families", "List and describe families of tilings, check and add one's own, and say what they can do");
+  CLI::Option* described = command->add_option("family", *family, "Family to describe; without one all are listed");
   command->add_option("--check", *file, "File with a definition of a family to check")->excludes(described);
   command->footer(
       "Examples:\n  supple families\n  supple families IH21\n  supple families --check family.json\n"
-      "  supple families atlas IH21\n  supple families add family.json\n"
-      "  supple families add tile.svg --type IH41 --id own\n  supple families remove own");
+      "  supple families atlas IH21\n  supple families add family.json\n  supple families remove own");
   command->callback([&options, command, family, file] {
     if (!command->get_subcommands().empty()) return;  // which has run
     file->empty() ? run(options, *family) : check(options, *file);
   });
   add_family_subcommands(*command, options);
-  add_family_atlas_command(*command, options);
 }
 
 }  // namespace supple::cli

@@ -183,7 +183,7 @@ class Client(Connection):
             isohedral_type: its type, such as "IH21".
             family_id: id of the family.
             description: what the family is.
-            reach: distance of the parameters' bounds from those of the drawn tile, dimensionless; None takes 0.05.
+            reach: greatest distance of the parameters' bounds from those of the drawn tile, dimensionless; None takes 0.05.
             beam_width: width of the beams in tiling units; None takes 5 % of the square root of the tile's area.
             shape_parameters: whether the heights of curved edges become parameters.
         """

@@ -201,7 +201,7 @@ class FamilyAtlasRequest(Request[FamilyAtlas], path="/v1/family-atlases"):
     """The atlas of a family: what it can do at rest, and what it adds to the other families. One that the server has comes at once.
 
     Attributes:
-        family: id of a family of the server. Or give one of the two following in its place.
+        family: id of a family of the server or of one's own. Or give one of the two following in its place.
         isohedral_type: number of one of the 81 types.
         definition: as in `Family.definition`.
         samples: points of the bounds, 1 to 4096; None takes 256, which need up to a minute.

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <utility>
 
+#include "box_survey.h"
 #include "drawn_edges.h"
 #include "polygon.h"
 #include "supple/tiling/isohedral_types.h"
@@ -19,6 +20,11 @@ namespace {
 constexpr double min_corner_angle = 12 * std::numbers::pi / 180;
 /// Choices of vertices among the corners that are tried.
 constexpr double max_choices = 20'000;
+/// Area of the tiles within the bounds, divided by that of the drawn one. There are no structures of smaller tiles.
+constexpr double min_relative_area = 0.1;
+/// Points of the bounds at which the area is looked at, beside the default and the corners.
+constexpr int area_samples = 64;
+constexpr int max_halvings = 20;
 
 [[noreturn]] void refuse(const std::ostringstream& message) {
   throw TilingError("tiling.drawing", message.str(), {{"svg", message.str()}});
@@ -138,7 +144,7 @@ double number_of_choices(std::size_t corners, std::size_t count) {
 }
 
 /// Weight of the distance of the parameters from the type's defaults. It decides between choices that fit equally well,
-/// such as images of each other under a symmetry of the tile: far from the defaults copies of a tile may overlap.
+/// such as images of each other under a symmetry of the tile.
 constexpr double weight_of_departure = 1e-4;
 
 /// Whether the first choice fits better: the edges decide among those whose vertices fit.
@@ -223,6 +229,27 @@ void require_fit(const IsohedralType& type, const Polygon& outline, const Vertex
   refuse(message);
 }
 
+double smallest_area(const FamilyDefinition& definition) {
+  double smallest = INFINITY;
+  for (const auto& sample : box_samples(definition, area_samples))
+    smallest = std::min(smallest, area(tiling_at(definition, sample).tiles.front()));
+  return smallest;
+}
+
+/// Halves the distance of the bounds of the first `count` parameters, which move vertices, from the defaults until no
+/// tile within them is too small. Some types have parameters that move a vertex by ten times their own change. Where
+/// the area vanishes, the translations are parallel, and beyond that the tile's copies overlap.
+void narrow_bounds(FamilyDefinition& definition, std::size_t count, double drawn_area) {
+  for (int halving = 0; halving < max_halvings; ++halving) {
+    if (smallest_area(definition) >= min_relative_area * drawn_area) return;
+    for (std::size_t k = 0; k < count; ++k) {
+      auto& [lower, upper, preset] = definition.parameters[k].range;
+      lower = (lower + preset) / 2;
+      upper = (upper + preset) / 2;
+    }
+  }
+}
+
 /// Makes the height of a shape proportional to a new parameter, which is 1 for the drawn one.
 void add_shape_parameter(FamilyDefinition& definition, EdgeShape& shape) {
   auto* const line = std::get_if<PolylineEdge>(&shape.line);
@@ -274,8 +301,9 @@ FamilyDefinition definition_of_drawing(const TileDrawing& drawing, const Executi
     for (auto& shape : definition.shapes) add_shape_parameter(definition, shape);
   std::vector<double> presets;
   for (const auto& parameter : definition.parameters) presets.push_back(parameter.range.preset);
-  definition.beam_width =
-      drawing.beam_width.value_or(0.05 * std::sqrt(std::abs(area(tiling_at(definition, presets).tiles.front()))));
+  const double drawn_area = area(tiling_at(definition, presets).tiles.front());
+  narrow_bounds(definition, type->defaults.size(), drawn_area);
+  definition.beam_width = drawing.beam_width.value_or(0.05 * std::sqrt(std::abs(drawn_area)));
   return definition;
 }
 

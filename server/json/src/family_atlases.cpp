@@ -214,13 +214,11 @@ FamilyAtlasRequest parse_family_atlas_request(std::string_view body, const Limit
     fields.number("mesh_size", options.mesh_size, min_atlas_mesh_size, max_atlas_mesh_size);
     options.error_samples = std::min(options.error_samples, options.samples);
     fields.integer("error_samples", options.error_samples, 0, std::min(max_error_samples, options.samples));
-    bool crossings = request.definition == std::nullopt && request.isohedral_type == 0;
     if (fields.present("crossings")) {
-      fields.boolean("crossings", crossings);
+      fields.boolean("crossings", request.crossings.emplace(false));
     } else {
       fields.optional("crossings");
     }
-    options.crossings = crossings;
     fields.boolean("recompute", request.recompute);
   });
 }

@@ -15,19 +15,48 @@
 namespace supple::routes {
 namespace {
 
-/// What an atlas is of, and under which name it is kept; an empty name is kept nowhere.
+enum class Keeping { nowhere, by_name, by_definition };
+
+/// What an atlas is of, and how it is kept.
 struct AtlasSubject {
   tiling::Family family;
-  std::string kept_as;
+  Keeping keeping = Keeping::nowhere;
+  std::string name;             ///< by which it is kept; empty for other ways
+  bool is_shipped = false;      ///< whether the family comes with the server, so that networks know its crossings
+  std::string definition_at{};  ///< JSON pointer to the definition in the request; empty if it has none
 };
 
-AtlasSubject subject_of_family(const std::string& id) { return {tiling::family(id), id}; }
+/// A family that comes with the server, or one of the request's key. Throws "tiling.family_not_found".
+AtlasSubject subject_of_family(const std::string& id, const Loader& loader) {
+  const bool is_shipped = tiling::find_family(id) != nullptr;
+  if (is_shipped) return {.family = *loader.family(id), .keeping = Keeping::by_name, .name = id, .is_shipped = true};
+  return {.family = *loader.family(id), .keeping = Keeping::by_definition, .name = {}};
+}
 
 /// Throws "http.not_found" for a number that no type has.
 AtlasSubject subject_of_type(int number) {
   const auto* type = tiling::find_isohedral_type(number);
   if (!type) throw Error("http.not_found", "There is no isohedral type of this number.");
-  return {tiling::make_family(design::atlas_definition(*type)), "type-" + std::to_string(number)};
+  return {.family = tiling::make_family(design::atlas_definition(*type)),
+          .keeping = Keeping::by_name,
+          .name = "type-" + std::to_string(number)};
+}
+
+/// The atlas that is kept of a subject; null if there is none.
+KeptAtlases::Record find_kept(KeptAtlases& kept, const AtlasSubject& subject) {
+  switch (subject.keeping) {
+    case Keeping::by_name:
+      return kept.find(subject.name, subject.family.definition);
+    case Keeping::by_definition:
+      return kept.find_added(subject.family.definition);
+    default:
+      return nullptr;
+  }
+}
+
+void keep(KeptAtlases& kept, const AtlasSubject& subject, const KeptAtlases::Record& record) {
+  if (subject.keeping == Keeping::by_name) kept.keep(subject.name, record);
+  if (subject.keeping == Keeping::by_definition) kept.keep_added(*record);
 }
 
 std::string answer(KeptAtlases& kept, const json::AtlasRecord& record, bool is_kept) {
@@ -45,25 +74,25 @@ std::string answer(KeptAtlases& kept, const json::AtlasRecord& record, bool is_k
 }
 
 store::Result compute(KeptAtlases& kept, const AtlasSubject& subject, const design::AtlasOptions& options,
-                      const std::string& base, const Execution& outer) {
+                      const Execution& outer) {
   design::FamilyAtlas atlas;
   const auto bill = billed(outer, [&](const Execution& execution) {
-    atlas =
-        with_pointers<Error>(PointerMap(base), [&] { return design::make_atlas(subject.family, options, execution); });
+    atlas = with_pointers<Error>(PointerMap(subject.definition_at),
+                                 [&] { return design::make_atlas(subject.family, options, execution); });
     execution.checkpoint(1, "");
   });
   const bool is_whole = atlas.stopped == StopReason::none;
   auto record = std::make_shared<const json::AtlasRecord>(
       json::make_atlas_record(std::move(atlas), subject.family.definition, bill));
-  if (is_whole && !subject.kept_as.empty()) kept.keep(subject.kept_as, record);
+  if (is_whole) keep(kept, subject, record);
   return json_result(answer(kept, *record, false));
 }
 
 /// Options without which an atlas is computed: those of the contract.
-design::AtlasOptions default_options(const json::Limits& limits, bool is_served) {
+design::AtlasOptions default_options(const json::Limits& limits, const AtlasSubject& subject) {
   design::AtlasOptions options;
   options.max_nodes = limits.max_mesh_nodes;
-  options.crossings = is_served;
+  options.crossings = subject.is_shipped;
   return options;
 }
 
@@ -78,39 +107,46 @@ bool is_default(const design::AtlasOptions& options, const design::AtlasOptions&
          options.error_samples == defaults.error_samples && options.crossings == defaults.crossings;
 }
 
-AtlasSubject subject_of(const json::FamilyAtlasRequest& request) {
-  if (request.definition) return {tiling::make_family(*request.definition), ""};
+AtlasSubject subject_of(const json::FamilyAtlasRequest& request, const Loader& loader) {
+  if (request.definition) {
+    return {.family = tiling::make_family(*request.definition),
+            .keeping = Keeping::nowhere,
+            .name = {},
+            .definition_at = "/definition"};
+  }
   if (request.isohedral_type != 0) return subject_of_type(request.isohedral_type);
-  return fault_of_field<tiling::FamilyNotFound>("/family", [&] { return subject_of_family(request.family); });
+  return fault_of_field<tiling::FamilyNotFound>("/family", [&] { return subject_of_family(request.family, loader); });
 }
 
 PreparedComputation prepare_atlas(const std::shared_ptr<KeptAtlases>& kept, const EndpointRequest& asked,
                                   const Loader& loader) {
   const auto request = json::parse_family_atlas_request(asked.body, loader.limits(), loader.cancellation());
-  auto subject = subject_of(request);
-  const auto defaults = default_options(loader.limits(), !request.family.empty());
-  if (!subject.kept_as.empty() && !request.recompute && is_default(request.options, defaults)) {
-    if (const auto record = kept->find(subject.kept_as, subject.family.definition)) {
+  auto subject = subject_of(request, loader);
+  const auto defaults = default_options(loader.limits(), subject);
+  auto options = request.options;
+  options.crossings = request.crossings.value_or(defaults.crossings);
+  if (!request.recompute && is_default(options, defaults)) {
+    if (const auto record = find_kept(*kept, subject)) {
       return {.deadline = request.deadline, .run = [kept, record](const Execution& /*execution*/) {
                 return json_result(answer(*kept, *record, true));
               }};
     }
   }
-  if (!may_be_kept(request.options, defaults)) subject.kept_as.clear();
-  const std::string base = request.definition ? "/definition" : "";
+  if (!may_be_kept(options, defaults)) subject.keeping = Keeping::nowhere;
   return {.deadline = request.deadline,
-          .run = [kept, subject = std::move(subject), options = request.options, base](const Execution& execution) {
-            return compute(*kept, subject, options, base, execution);
+          .run = [kept, subject = std::move(subject), options](const Execution& execution) {
+            return compute(*kept, subject, options, execution);
           }};
 }
 
-using SubjectOfPath = AtlasSubject (*)(const std::map<std::string, std::string>&);
+using Path = std::map<std::string, std::string>;
+using SubjectOfPath = AtlasSubject (*)(const Path&, const Loader&);
 
-AtlasSubject family_in_path(const std::map<std::string, std::string>& path) {
-  return subject_of_family(path.at("family"));
+AtlasSubject family_in_path(const Path& path, const Loader& loader) {
+  return subject_of_family(path.at("family"), loader);
 }
 
-AtlasSubject type_in_path(const std::map<std::string, std::string>& path) {
+AtlasSubject type_in_path(const Path& path, const Loader& /*loader*/) {
   const std::string& text = path.at("type");
   int number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -122,8 +158,8 @@ void add_kept_endpoint(http::Router& router, Services& services, const std::shar
   Endpoint endpoint{.path = std::move(path), .kind = "family-atlases"};
   ReadyAnswer ready = [&services, kept,
                        subject_of_path](const http::Request& request) -> std::optional<http::Response> {
-    const auto subject = subject_of_path(request.path_parameters);
-    const auto record = kept->find(subject.kept_as, subject.family.definition);
+    const Loader loader(services, request, Loader::Clock::now());
+    const auto record = find_kept(*kept, subject_of_path(request.path_parameters, loader));
     if (!record) {
       // A key that may only read gets what is kept, and starts no computation.
       if (!request.key.empty()) services.gate->require_scope(request.key, access::Scope::compute);
@@ -132,12 +168,12 @@ void add_kept_endpoint(http::Router& router, Services& services, const std::shar
     return json_response(answer(*kept, *record, true));
   };
   endpoint.prepare = [kept, subject_of_path](const EndpointRequest& asked, const Loader& loader) {
-    auto subject = subject_of_path(asked.path_parameters);
-    const bool is_served = subject_of_path == family_in_path;
-    return PreparedComputation{
-        .deadline = loader.limits().default_deadline,
-        .run = [kept, subject = std::move(subject), options = default_options(loader.limits(), is_served)](
-                   const Execution& execution) { return compute(*kept, subject, options, "", execution); }};
+    auto subject = subject_of_path(asked.path_parameters, loader);
+    const auto options = default_options(loader.limits(), subject);
+    return PreparedComputation{.deadline = loader.limits().default_deadline,
+                               .run = [kept, subject = std::move(subject), options](const Execution& execution) {
+                                 return compute(*kept, subject, options, execution);
+                               }};
   };
   add_get_endpoint(router, services, std::move(endpoint), std::move(ready));
 }

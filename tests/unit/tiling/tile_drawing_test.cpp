@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "polygon.h"
 #include "supple/base/random.h"
@@ -83,9 +84,28 @@ TEST(TileDrawing, TheStraightTileOfEachTypeGivesItsParametersBack) {
     }
     ++with_corners;
     EXPECT_LT(difference_in_form(tile, tiling_at(found, presets_of(found)).tiles.front()), 1e-6) << type.number;
-    EXPECT_TRUE(check_definition(found).good()) << type.number;
+    const auto report = check_definition(found);
+    EXPECT_TRUE(report.good()) << type.number << ": " << (report.good() ? "" : report.faults[0].message);
   }
   EXPECT_GE(with_corners, 60);
+}
+
+TEST(TileDrawing, BoundsEndBeforeTheTileVanishes) {
+  // A parameter of IH51 moves vertices by ten times its change, so that its unit square vanishes at a change of 0.05.
+  const Polygon square{{0, 0}, {10, 0}, {10, 10}, {0, 10}};
+  const Polygon flat{{0, 0}, {10, 0}, {11, 2}, {1, 2}};
+  const std::pair<int, const Polygon&> tiles[] = {{51, square}, {41, flat}};
+  for (const auto& [type, tile] : tiles) {
+    const TileDrawing drawing{.outline = tile, .isohedral_type = type, .id = "own", .description = "", .reach = 0.5};
+    const FamilyDefinition found = definition_of_drawing(drawing);
+    const auto report = check_definition(found);
+    EXPECT_TRUE(report.good()) << type << ": " << (report.good() ? "" : report.faults[0].message);
+    for (const auto& parameter : found.parameters) {
+      EXPECT_GT(parameter.range.upper - parameter.range.preset, 1e-3) << type;
+      EXPECT_LT(parameter.range.upper - parameter.range.preset, 0.4) << type;
+      EXPECT_NEAR(parameter.range.lower + parameter.range.upper, 2 * parameter.range.preset, 1e-12) << type;
+    }
+  }
 }
 
 TEST(TileDrawing, ACurvedTileIsFoundWhicheverWayItIsDrawn) {

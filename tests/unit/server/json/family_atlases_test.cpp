@@ -50,11 +50,11 @@ TEST(FamilyAtlases, OfAnotherDefinitionOrBrokenHoldNoLonger) {
   EXPECT_FALSE(read_family_atlas("{}", ih21()));
 }
 
-TEST(FamilyAtlases, SolveCrossingsOfFamiliesAloneUnlessAsked) {
+TEST(FamilyAtlases, AreAskedForByOneOfThreeFields) {
   const auto parsed = [](const char* body) { return parse_family_atlas_request(body, {}); };
-  EXPECT_TRUE(parsed(R"({"family":"IH21"})").options.crossings);
-  EXPECT_FALSE(parsed(R"({"isohedral_type":21})").options.crossings);
-  EXPECT_FALSE(parsed(R"({"family":"IH21","crossings":false})").options.crossings);
+  EXPECT_EQ(parsed(R"({"family":"IH21"})").crossings, std::nullopt);
+  EXPECT_EQ(parsed(R"({"isohedral_type":21,"crossings":true})").crossings, true);
+  EXPECT_EQ(parsed(R"({"family":"IH21","crossings":false})").crossings, false);
   // Few samples have no more errors than samples.
   EXPECT_EQ(parsed(R"({"family":"IH21","samples":3})").options.error_samples, 3);
   const auto faults = [&](const char* body) {

@@ -14,7 +14,7 @@ struct TileDrawing {
   int isohedral_type = 0;  ///< one of the 81 numbers
   std::string id;          ///< of the family
   std::string description;
-  double reach = 0.05;                 ///< tiling units; the parameters' bounds lie so far from the drawn tile's
+  double reach = 0.05;  ///< dimensionless; the parameters' bounds lie at most so far from the drawn tile's
   std::optional<double> beam_width{};  ///< tiling units; without it 5 % of the square root of the tile's area
   bool has_shape_parameters = false;  ///< whether each curved shape gets a parameter that its height is proportional to
 };
@@ -29,6 +29,9 @@ inline constexpr double max_edge_misfit = 0.03;    ///< distance of edges that h
 /// vertices of the type's tile, at some parameters, fit them best (linear least squares for each choice). The lines
 /// between the vertices become the shapes of the edges: polylines of at most 32 points, or straight ones. The first
 /// edge of each shape is taken; the others must be like it, and each must have the symmetry of its class.
+///
+/// The bounds lie `reach` from the defaults, or half of it, a quarter and so on, so that the tiles within them have at
+/// least a tenth of the drawn tile's area.
 ///
 /// Throws TilingError "tiling.drawing" where the outline has too few or too many corners, where no choice of vertices
 /// fits, and where edges do not fit; it says which and how far off they are. The detail is "svg". At most 20,000

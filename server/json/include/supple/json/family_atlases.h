@@ -23,13 +23,13 @@ inline constexpr auto atlas_place_names = names_of<design::AtlasPlace>({{design:
 
 /// One of `family`, `isohedral_type` and `definition` is set.
 struct FamilyAtlasRequest {
-  std::string family;      ///< id of a family that the server has
+  std::string family;      ///< id of a family that comes with the server, or that a client has added
   int isohedral_type = 0;  ///< number of a type, whose atlas is of design::atlas_definition
   std::optional<tiling::FamilyDefinition> definition;
-  /// Crossings are solved in families that the server has, unless the request says otherwise: their networks know them.
-  design::AtlasOptions options;
-  bool recompute = false;  ///< even if the atlas is kept
-  double deadline = 0;     ///< seconds; set also where the request leaves it out
+  design::AtlasOptions options;   ///< all but `crossings`, whose default depends on what the atlas is of
+  std::optional<bool> crossings;  ///< none: the default
+  bool recompute = false;         ///< even if the atlas is kept
+  double deadline = 0;            ///< seconds; set also where the request leaves it out
 };
 FamilyAtlasRequest parse_family_atlas_request(std::string_view body, const Limits& limits,
                                               const CancellationToken& cancellation = {});
