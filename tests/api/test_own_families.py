@@ -81,6 +81,14 @@ def test_the_ids_of_the_server_and_any_are_taken(api: Api, name: str) -> None:
     assert ids(api) == []
 
 
+def test_the_id_of_a_drawing_is_pointed_to(api: Api, own: str) -> None:
+    for name in ("IH21", own):
+        response = api.post(FAMILIES, {"svg": SQUARE, "type": "IH41", "id": name})
+        assert (response.status_code, problem_code(response), pointers(response)) == (409, "family.exists", ["/id"])
+    response = api.post(FAMILIES, {"svg": SQUARE, "type": 41, "id": "drawn"}, faulty=True)
+    assert (problem_code(response), pointers(response)) == ("request.invalid", ["/type"])
+
+
 @pytest.mark.parametrize("change, pointer, said", [
     ({"translations": [[1.2, 0], [[0, 1], 1]]}, "/definition/tile", "near the point"),
     ({"translations": [[0.8, 0], [[0, 1], 1]]}, "/definition/tile", "near the point"),
@@ -291,6 +299,10 @@ def test_the_clients_add_show_and_remove_families(api: Api, tmp_path: Path) -> N
         faulty = slanted("faulty")
         client.add_family({**faulty, "tile": {**faulty["tile"], "translations": [[0.8, 0], [[0, 1], 1]]}})
     assert "slanted" in run("families").stdout and "slanted" in run("families", "list").stdout
+    atlas = run("families", "atlas", "slanted", "--samples", "4", "--error-samples", "1")
+    assert (atlas.returncode, "slanted, 4 samples" in atlas.stdout) == (0, True), atlas.stderr
+    explained = run("families", "--help").stdout
+    assert all(f"  {command} " in explained for command in ("list", "show", "atlas", "add", "remove")), explained
     shown = run("families", "show", "slanted", "--json")
     assert shown.returncode == 0, shown.stderr
     client.remove_family("slanted")

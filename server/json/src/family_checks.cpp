@@ -57,11 +57,11 @@ void read_drawn_tile(Fields& fields, FamilyUpload& upload) {
     out = value->get<std::string>();
   };
   text("svg", max_svg_bytes, upload.svg);
-  std::string type;
-  if (fields.required("type")) text("type", max_svg_bytes, type);
-  drawing.isohedral_type = type_of(type);
-  if (fields.present("type") && drawing.isohedral_type == 0)
-    fields.faults().add(fields.at("type"), "must be one of the 81 isohedral types, for example \"IH21\"");
+  if (const auto* type = fields.required("type")) {
+    if (type->is_string()) drawing.isohedral_type = type_of(type->get_ref<const std::string&>());
+    if (drawing.isohedral_type == 0)
+      fields.faults().add(fields.at("type"), "must be one of the 81 isohedral types, for example \"IH21\"");
+  }
   read_family_id(fields, "id", drawing.id);
   text("description", max_drawn_description_bytes, drawing.description);
   fields.number("reach", drawing.reach, min_reach, max_reach);

@@ -24,6 +24,8 @@ namespace {
 
 /// What designs take for the families of all models.
 constexpr std::string_view any_family = "any";
+/// JSON pointers to fields of a definition in an upload begin with it.
+constexpr std::string_view definition_prefix = "/definition/";
 
 const std::string& family_parameter(const http::Request& request) { return request.path_parameters.at("family"); }
 
@@ -115,8 +117,8 @@ tiling::FamilyDefinition drawn_definition(const json::FamilyUpload& upload, cons
   }
 }
 
-http::Response store_family(Services& services, const http::Request& request, const Execution& execution) {
-  const auto upload = json::parse_family_upload(request.body, services.limits.json, execution.cancellation);
+http::Response store_upload(Services& services, const http::Request& request, const json::FamilyUpload& upload,
+                            const Execution& execution) {
   require_free_name(upload.definition ? upload.definition->id : upload.drawing.id);
   const auto definition = upload.definition ? *upload.definition : drawn_definition(upload, execution);
   const auto report = tiling::check_definition(definition, execution);
@@ -135,13 +137,37 @@ http::Response store_family(Services& services, const http::Request& request, co
   return response;
 }
 
+/// A fault of a definition that was made from a drawing, with the field of the request that it comes from.
+Error fault_of_drawing(const Error& fault) {
+  auto details = fault.details();
+  for (auto& detail : details) {
+    if (!detail.where.starts_with(definition_prefix)) continue;
+    const auto field = detail.where.substr(definition_prefix.size());
+    detail.where = field == "id" || field == "beam_width" ? "/" + field : "/svg";
+  }
+  return {fault.code(), fault.what(), std::move(details)};
+}
+
+http::Response store_family(Services& services, const http::Request& request, const Execution& execution) {
+  const auto upload = json::parse_family_upload(request.body, services.limits.json, execution.cancellation);
+  try {
+    return store_upload(services, request, upload, execution);
+  } catch (const Error& error) {
+    const auto& details = error.details();
+    const bool is_of_definition = !details.empty() && details.front().where.starts_with(definition_prefix);
+    if (upload.definition || !is_of_definition) throw;
+    throw fault_of_drawing(error);
+  }
+}
+
 http::Response add_family(Services& services, const http::Request& request) {
   require_ready(services);
   require_json(request);
   http::Response response;
-  const jobs::Computation adding{
+  jobs::Computation adding{
       .kind = "families", .mesh = {}, .deadline = json::peek_deadline(request.body, services.limits.json), .run = {}};
-  work_now(services, request, adding,
+  adding.priority = json::peek_priority(request.body).value_or(Priority::normal);
+  work_now(services, request, std::move(adding),
            [&](const Execution& execution) { response = store_family(services, request, execution); });
   return response;
 }

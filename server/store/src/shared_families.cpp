@@ -14,10 +14,14 @@ class SharedFamilies final : public FamilyStore {
   std::pair<FamilyRecord, bool> add_family(FamilyRecord given) override {
     if (auto existing = family(given.owner, given.name); existing && is_same_family(*existing, given))
       return {*std::move(existing), false};
-    require_room(given.owner);
+    state_.database.transaction([&](pqxx::work& transaction) { return require_room(transaction, given.owner); });
     state_.make_room(Category::families, bytes_of_family(given), given.owner, {});
-    const bool is_new = state_.database.transaction(
-        [&](pqxx::work& transaction) { return insert_shared_family(transaction, given, hash_of_family(given)); });
+    const bool is_new = state_.database.transaction([&](pqxx::work& transaction) {
+      // Requests of one owner at several servers are counted one after the other.
+      transaction.exec_params("SELECT pg_advisory_xact_lock(hashtextextended($1, 0))", "families of " + given.owner);
+      require_room(transaction, given.owner);
+      return insert_shared_family(transaction, given, hash_of_family(given));
+    });
     if (is_new) return {std::move(given), true};
     // Another server has added one of this name meanwhile.
     auto existing = family(given.owner, given.name);
@@ -63,10 +67,11 @@ class SharedFamilies final : public FamilyStore {
   }
 
  private:
-  void require_room(const std::string& owner) {
-    require_room_for_family(state_.database.transaction([&](pqxx::work& transaction) {
-      return transaction.exec_params1("SELECT count(*) FROM families WHERE owner = $1", owner)[0].as<std::int64_t>();
-    }));
+  /// Throws "family.too_many". Otherwise true.
+  static bool require_room(pqxx::work& transaction, const std::string& owner) {
+    const auto row = transaction.exec_params1("SELECT count(*) FROM families WHERE owner = $1", owner);
+    require_room_for_family(row[0].as<std::int64_t>());
+    return true;
   }
 
   SharedState& state_;
