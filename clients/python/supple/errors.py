@@ -173,7 +173,7 @@ def _class_for(status: int, code: str) -> Type[ProblemError]:
         return InvalidHost
     if code.startswith("voronoi."):
         return InvalidVoronoi
-    if code.startswith(("tiling.", "family.")):
+    if code.startswith(("tiling.", "family.", "atlas.")):
         return InvalidStructure
     if code.startswith("design."):
         return InvalidDesign

@@ -6,6 +6,7 @@
 
 #include "handlers.h"
 #include "immediate_answer.h"
+#include "loader.h"
 #include "ownership.h"
 #include "request_pointers.h"
 #include "results.h"
@@ -166,7 +167,7 @@ http::Response add_family(Services& services, const http::Request& request) {
   http::Response response;
   jobs::Computation adding{
       .kind = "families", .mesh = {}, .deadline = json::peek_deadline(request.body, services.limits.json), .run = {}};
-  adding.priority = json::peek_priority(request.body).value_or(Priority::normal);
+  adding.priority = priority_of_preparation(request.body);
   work_now(services, request, std::move(adding),
            [&](const Execution& execution) { response = store_family(services, request, execution); });
   return response;
