@@ -85,7 +85,8 @@ void add_family(const GlobalOptions& options, const NewFamily& family) {
   print_family(answer.at("family"));
 }
 
-void run(const GlobalOptions& options, const std::string& family) {
+/// Shows a family; all of them where it is empty.
+void show_families(const GlobalOptions& options, const std::string& family) {
   Session session(options);
   const nlohmann::json answer = session.http().get(family.empty() ? "/v1/families" : "/v1/families/" + family).json();
   if (session.json()) return print_json(answer);
@@ -110,10 +111,10 @@ void add_family_subcommands(CLI::App& families, const GlobalOptions& options) {
   families.require_subcommand(0, 1);
   const auto named = std::make_shared<std::string>();
   families.add_subcommand("list", "List the families of tilings, one's own after those of the server")
-      ->callback([&options] { run(options, {}); });
+      ->callback([&options] { show_families(options, {}); });
   CLI::App* show = families.add_subcommand("show", "Describe a family");
   show->add_option("family", *named, "Id of the family")->required();
-  show->callback([&options, named] { run(options, *named); });
+  show->callback([&options, named] { show_families(options, *named); });
   add_family_atlas_command(families, options);
   add_add_command(families, options);
   CLI::App* remove = families.add_subcommand("remove", "Remove a family of one's own");
@@ -138,7 +139,7 @@ void add_family_command(CLI::App& program, const GlobalOptions& options) {
       "  supple families atlas IH21\n  supple families add family.json\n  supple families remove own");
   command->callback([&options, command, family, file] {
     if (!command->get_subcommands().empty()) return;  // which has run
-    file->empty() ? run(options, *family) : check(options, *file);
+    file->empty() ? show_families(options, *family) : check(options, *file);
   });
   add_family_subcommands(*command, options);
 }

@@ -57,7 +57,7 @@ std::optional<char> named_delimiter(std::span<const std::string_view> lines) {
 }
 
 /// For each kind of evidence about the decimal separator, the first cell that gives it.
-struct Evidence {
+struct SeparatorEvidence {
   std::string_view point, comma, ambiguous;
 
   void add(std::string_view cell, bool blank_thousands) {
@@ -78,14 +78,14 @@ struct Evidence {
 
 char decimal_of(std::span<const std::string_view> lines, char delimiter, const CancellationToken& cancellation) {
   const bool blank_thousands = TableFormat{delimiter, '.'}.blank_thousands();
-  Evidence evidence;
+  SeparatorEvidence evidence;
   bool has_quoted_comma = false;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     if (i % lines_between_checks == 0) cancellation.throw_if_requested();
     // In a long file the first lines suffice if they decide.
     if (i > max_sampled_lines && (!evidence.point.empty() || !evidence.comma.empty())) break;
     std::size_t numbers = 0, words = 0;
-    Evidence line_evidence;
+    SeparatorEvidence line_evidence;
     bool comma_in_cell = false;
     for_each_cell(lines[i], delimiter, [&](std::string_view cell) {
       const bool is_number = number_in(cell, '.', blank_thousands) || number_in(cell, ',', blank_thousands);

@@ -21,7 +21,7 @@ constexpr double bisection_precision = 1e-6;
 constexpr std::size_t max_reported_crossings = 10;
 
 // What counts as a sliver: networks learn little where corners are sharper and sides or straits narrower than this.
-constexpr double min_corner_angle = 25 * std::numbers::pi / 180;
+constexpr double sliver_angle = 25 * std::numbers::pi / 180;
 constexpr double min_width = 1.5;  ///< beam widths
 
 std::vector<double> defaults_of(const FamilyDefinition& definition) {
@@ -122,7 +122,7 @@ struct Sliver {
 struct Slivers {
   Sliver corner, side, strait;
 
-  bool any() const { return corner.size < min_corner_angle || side.size < min_width || strait.size < min_width; }
+  bool any() const { return corner.size < sliver_angle || side.size < min_width || strait.size < min_width; }
 };
 
 void measure_strait(const Polygon& tile, const std::vector<std::size_t>& starts, const EdgePair& edges, double width,
@@ -180,7 +180,7 @@ class BoxSurvey {
     std::vector<DefinitionFinding> findings = crossings(execution);
     add_sliver(findings, corners_,
                "is the tip of a corner of " + number_text(corners_.size * 180 / std::numbers::pi) +
-                   " degrees (slivers are below " + number_text(min_corner_angle * 180 / std::numbers::pi) + ")");
+                   " degrees (slivers are below " + number_text(sliver_angle * 180 / std::numbers::pi) + ")");
     add_sliver(findings, sides_, "begins a side of " + number_text(sides_.size) + widths());
     add_sliver(findings, straits_,
                "begins an edge that is " + number_text(straits_.size) + widths("from another one "));
@@ -230,7 +230,7 @@ class BoxSurvey {
 
   void measure(const std::vector<double>& sample) {
     const Slivers here = slivers_at(definition_, starts_, sample);
-    merge(corners_, here.corner, min_corner_angle);
+    merge(corners_, here.corner, sliver_angle);
     merge(sides_, here.side, min_width);
     merge(straits_, here.strait, min_width);
   }

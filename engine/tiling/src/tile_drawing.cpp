@@ -17,7 +17,7 @@ namespace supple::tiling {
 namespace {
 
 /// Angle by which an outline turns at a corner at least; less belongs to a curve.
-constexpr double min_corner_angle = 12 * std::numbers::pi / 180;
+constexpr double min_turn = 12 * std::numbers::pi / 180;
 /// Choices of vertices among the corners that are tried.
 constexpr double max_choices = 20'000;
 /// Area of the tiles within the bounds, divided by that of the drawn one. There are no structures of smaller tiles.
@@ -38,7 +38,7 @@ std::vector<std::size_t> corners_of(const Polygon& outline) {
   for (std::size_t k = 0; k < outline.size(); ++k) {
     const Eigen::Vector2d before = outline[k] - outline[(k + outline.size() - 1) % outline.size()];
     const Eigen::Vector2d after = outline[(k + 1) % outline.size()] - outline[k];
-    if (std::abs(std::atan2(cross(before, after), before.dot(after))) > min_corner_angle) corners.push_back(k);
+    if (std::abs(std::atan2(cross(before, after), before.dot(after))) > min_turn) corners.push_back(k);
   }
   return corners;
 }

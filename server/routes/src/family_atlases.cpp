@@ -139,14 +139,14 @@ PreparedComputation prepare_atlas(const std::shared_ptr<KeptAtlases>& kept, cons
           }};
 }
 
-using Path = std::map<std::string, std::string>;
-using SubjectOfPath = AtlasSubject (*)(const Path&, const Loader&);
+using PathParameters = std::map<std::string, std::string>;
+using SubjectOfPath = AtlasSubject (*)(const PathParameters&, const Loader&);
 
-AtlasSubject family_in_path(const Path& path, const Loader& loader) {
+AtlasSubject family_in_path(const PathParameters& path, const Loader& loader) {
   return subject_of_family(path.at("family"), loader);
 }
 
-AtlasSubject type_in_path(const Path& path, const Loader& /*loader*/) {
+AtlasSubject type_in_path(const PathParameters& path, const Loader& /*loader*/) {
   const std::string& text = path.at("type");
   int number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);

@@ -8,6 +8,7 @@
 #include <functional>
 #include <numbers>
 
+#include "random_compliance.h"
 #include "rest_misfit.h"
 #include "supple/base/random.h"
 
@@ -46,13 +47,6 @@ MaterialBounds bounds_of(const std::vector<SampledTarget>& targets, const Compli
 
 double bound_of(const SampledTarget& target, const Compliance& least = Compliance::Zero()) {
   return bounds_of({target}, least).targets.at(0).value().alone.deviation;
-}
-
-Compliance random_compliance(RandomStream& random) {
-  Eigen::Matrix3d factor;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) factor(i, j) = random.uniform(-1, 1);
-  return factor * factor.transpose() + 1e-3 * Compliance::Identity();
 }
 
 TEST(RestProfile, IsThatOfTheTangentUnderAUniaxialLoad) {

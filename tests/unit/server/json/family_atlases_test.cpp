@@ -18,9 +18,12 @@ AtlasRecord record() {
   atlas.family = "IH21";
   atlas.bounds = tiling::family("IH21").parameters;
   atlas.mesh_size = 1;
-  design::AtlasSample solved{.parameters = {0.1, 0.6}, .relative_density = 0.3, .error = 0.002};
-  solved.compliance = design::Compliance::Identity() * 0.25;
-  atlas.samples = {solved, {.parameters = {0.2, 0.7}, .place = design::AtlasPlace::closed}};
+  design::AtlasSample solved{.parameters = {0.1, 0.6},
+                             .compliance = design::Compliance::Identity() * 0.25,
+                             .relative_density = 0.3,
+                             .error = 0.002};
+  atlas.samples = {solved,
+                   {.parameters = {0.2, 0.7}, .place = design::AtlasPlace::closed, .compliance = {}, .error = {}}};
   atlas.profiles = {{"poisson_0", 0, {.deviation = 0.5, .orientation = 0.25, .is_met = false}}};
   atlas.warnings = {{.flaw = tiling::DefinitionFlaw::crossing,
                      .where = "tile",

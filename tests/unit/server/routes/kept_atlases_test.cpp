@@ -27,7 +27,7 @@ json::AtlasRecord record_of(const KeptAtlases::Definition& of) {
   atlas.family = of->id;
   for (const auto& parameter : of->parameters) atlas.bounds.push_back(parameter.range);
   atlas.mesh_size = 1;
-  atlas.samples = {{.parameters = {0.1, 0.6}, .place = design::AtlasPlace::closed}};
+  atlas.samples = {{.parameters = {0.1, 0.6}, .place = design::AtlasPlace::closed, .compliance = {}, .error = {}}};
   return json::make_atlas_record(std::move(atlas), of, {});
 }
 
