@@ -219,8 +219,7 @@ neural::Model ModelStore::read_in_time(const std::function<neural::Model(const E
     return read(execution);
   } catch (const Cancelled& stop) {
     if (stop.reason() != StopReason::deadline) throw;
-    throw Error("file.unreadable",
-                "it was not read within " + std::to_string(options_.max_read_time.count()) + " s");
+    throw Error("file.unreadable", "it was not read within " + std::to_string(options_.max_read_time.count()) + " s");
   }
 }
 
