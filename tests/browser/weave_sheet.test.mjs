@@ -14,6 +14,8 @@ describe("a sheet under load", () => {
     const { page } = weave;
     await weave.crossings.first().click();
     await until(async () => /slides/.test(await weave.words(0)), "a changed crossing");
+    // The cards above grow with their answer, and would move the button away while it is pressed.
+    await weave.settled();
     const asked = page.waitForRequest((request) => request.url().endsWith("/v1/weave-simulations"));
     await weave.button("Simulate").click();
     const request = (await asked).postDataJSON();
