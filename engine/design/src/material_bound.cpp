@@ -124,9 +124,11 @@ std::vector<Vector6> orthotropic_starts() {
 /// The `count` starts with the least misfits, the least first.
 std::vector<Vector6> promising(const std::vector<Vector6>& starts, int count, const RestMisfit& misfit) {
   std::vector<std::pair<double, const Vector6*>> order;
+  order.reserve(starts.size());
   for (const Vector6& x : starts) order.emplace_back(misfit.value(x), &x);
   std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<Vector6> chosen;
+  chosen.reserve(static_cast<std::size_t>(count));
   for (int k = 0; k < count; ++k) chosen.push_back(*order[static_cast<std::size_t>(k)].second);
   return chosen;
 }

@@ -114,6 +114,7 @@ double RestShape::distance(const RestShape& other) const {
   };
   constexpr int steps = 48;
   std::vector<double> values;
+  values.reserve(steps);
   for (int k = 0; k < steps; ++k) values.push_back(negative_product(pi * k / steps));
   const double best = least_over_angles(values, 4, negative_product).first;
   const Eigen::Vector2d difference = isotropic_ - other.isotropic_;
@@ -125,6 +126,7 @@ double RestShape::distance(const RestShape& other) const {
 const std::vector<double>& reference_directions() {
   static const std::vector<double> directions = [] {
     std::vector<double> result;
+    result.reserve(direction_count);
     for (int k = 0; k < direction_count; ++k) result.push_back(pi * k / direction_count);
     return result;
   }();
@@ -145,6 +147,8 @@ const std::vector<ReferenceProfile>& reference_profiles() {
                                                                           {"poisson_0.5", 0.5},
                                                                           {"poisson_0.7", 0.7},
                                                                           {"poisson_0.8", 0.8}}};
+    constexpr std::size_t stiffnesses = 7;
+    result.reserve(ratios.size() + stiffnesses);
     for (const auto& [name, ratio] : ratios)
       result.push_back({name, Task::poisson, Eigen::VectorXd::Constant(direction_count, ratio)});
     result.push_back({"stiffness_isotropic", Task::stiffness, orthotropic_stiffness(1, 2)});

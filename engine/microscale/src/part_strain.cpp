@@ -37,7 +37,7 @@ std::vector<double> triangle_strains(const tiling::PeriodicMesh& mesh, const Eig
       for (int k = 0; k < 3; ++k) {
         const int next = (k + 1) % 3;
         f += displacements.col(mesh.triangles[t][static_cast<std::size_t>(k)]) * (4 * at[k] - 1) * corner.row(k);
-        f += displacements.col(mesh.triangles[t][static_cast<std::size_t>(3 + k)]) * 4 *
+        f += displacements.col(mesh.triangles[t][3 + static_cast<std::size_t>(k)]) * 4 *
              (at[k] * corner.row(next) + at[next] * corner.row(k));
       }
       strain = std::max(strain, strain_of(f));

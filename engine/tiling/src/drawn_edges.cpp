@@ -91,7 +91,7 @@ ChordLine simplified(const ChordLine& line, double tolerance) {
 }  // namespace
 
 ChordLine shape_line(const Polygon& outline, std::size_t begin, std::size_t end, const TileEdge& edge) {
-  const Eigen::Vector2d from = outline[begin];
+  const Eigen::Vector2d& from = outline[begin];
   const Eigen::Vector2d chord = outline[end] - from;
   ChordLine line{Eigen::Vector2d::Zero()};
   for (std::size_t k = (begin + 1) % outline.size(); k != end; k = (k + 1) % outline.size()) {

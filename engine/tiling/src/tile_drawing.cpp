@@ -127,6 +127,7 @@ void for_each_choice(const std::vector<std::size_t>& corners, std::size_t count,
   for (std::size_t k = 0; k < count; ++k) indices[k] = k;
   while (true) {
     std::vector<std::size_t> chosen;
+    chosen.reserve(count);
     for (const std::size_t index : indices) chosen.push_back(corners[index]);
     call(chosen);
     std::size_t k = count;

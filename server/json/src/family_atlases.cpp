@@ -195,7 +195,7 @@ design::FamilyAtlas atlas_of(const Document& document) {
         {entry.at("name").get<std::string>(),
          entry.at("sample").get<std::size_t>(),
          {entry.at("deviation").get<double>(), entry.at("orientation").get<double>(), entry.at("met").get<bool>()}});
-    atlas.samples.at(atlas.profiles.back().sample);
+    static_cast<void>(atlas.samples.at(atlas.profiles.back().sample));  // which throws where there is none
   }
   for (const auto& entry : document.at("warnings")) atlas.warnings.push_back(finding_of(entry));
   atlas.stopped = value_of(document.at("stopped"), stop_names);

@@ -127,7 +127,7 @@ class EndpointHandler {
     return prepared;
   }
 
-  jobs::Computation computation_of(const http::Request& request, Prepared made) const {
+  jobs::Computation computation_of(const http::Request& request, Prepared&& made) const {
     auto& [prepared, families] = made;
     // Who sends requests with a session, one after the other, waits for the latest one.
     const auto unasked = prepared.session.empty() ? Priority::normal : Priority::interactive;

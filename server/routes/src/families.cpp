@@ -67,6 +67,7 @@ std::string place_of(const tiling::DefinitionFinding& finding) {
 
 [[noreturn]] void throw_faulty(const std::vector<tiling::DefinitionFinding>& faults) {
   std::vector<Error::Detail> details;
+  details.reserve(faults.size());
   for (const auto& fault : faults) details.push_back({"/definition/" + fault.where, fault.message + place_of(fault)});
   const std::string sentence =
       "The definition is not one of a family: " + details.front().where + " " + details.front().message + ".";
