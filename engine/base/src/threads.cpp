@@ -4,6 +4,7 @@
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 #include <memory>
 #include <mutex>
@@ -66,13 +67,17 @@ void parallel_for(int n, const std::function<void(int)>& body) {
   // A thread that waits for the end of this loop helps with this loop only. Otherwise it might begin further parts of
   // an outer loop, and return only after them.
   tbb::this_task_arena::isolate([&] {
-    tbb::parallel_for(0, n, [&](int i) {
+    // An exception in a loop around this one would otherwise end this one too, without a word to its caller, who would
+    // go on with what has not been computed.
+    tbb::task_group_context context(tbb::task_group_context::isolated);
+    const auto part_of_loop = [&](int i) {
       observe(&body);
       const MemoryAccount::Use use(account);
       const WatchedWork watched;
       const PublishAtEnd part{&finished};
       body(i);
-    });
+    };
+    tbb::parallel_for(0, n, part_of_loop, context);
   });
 }
 
