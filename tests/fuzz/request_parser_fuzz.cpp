@@ -63,7 +63,7 @@ void check_structure(const json::StructureSpec& structure) {
 }
 
 /// A definition that was read is written so that it is read as the same again, and its check ends without an error.
-void check_definition(const tiling::FamilyDefinition& definition) {
+void check_family(const tiling::FamilyDefinition& definition) {
   require(!definition.id.empty() && definition.id.size() <= 32);
   require(json::parse_family_definition(json::write_family_definition(definition), json::Limits()) == definition);
   tiling::check_definition(definition);
@@ -336,7 +336,7 @@ void parse(unsigned which, std::string_view body) {
     case 18: {
       const auto request = json::parse_family_upload(body, limits());
       if (request.definition) {
-        check_definition(*request.definition);
+        check_family(*request.definition);
       } else {
         require(tiling::find_isohedral_type(request.drawing.isohedral_type) != nullptr && !request.drawing.id.empty());
         require(request.drawing.reach > 0 && std::isfinite(request.drawing.reach));
@@ -345,7 +345,7 @@ void parse(unsigned which, std::string_view body) {
     }
     case 19: {
       const auto request = json::parse_family_check(body, limits());
-      check_definition(request.definition);
+      check_family(request.definition);
       return check_deadline(request.deadline);
     }
     default: {
