@@ -48,6 +48,17 @@ class PrintPage {
   }
 }
 
+/** Holds the requests of plans until the returned function is called. */
+async function holdPlans(page) {
+  let release;
+  const held = new Promise((resolve) => (release = resolve));
+  await page.route("**/v1/weave-toolpaths", async (route) => {
+    await held;
+    await route.continue();
+  });
+  return release;
+}
+
 describe("the dialog of a print", () => {
   it("shows the printer, what the print takes and the toolpath layer by layer, and saves its G-code", async () => {
     const print = await PrintPage.open();
@@ -89,12 +100,7 @@ describe("the dialog of a print", () => {
     const print = await PrintPage.open();
     const { page, dialog } = print;
     const printed = await print.fact("Printed");
-    let release;
-    const held = new Promise((resolve) => (release = resolve));
-    await page.route("**/v1/weave-toolpaths", async (route) => {
-      await held;
-      await route.continue();
-    });
+    const release = await holdPlans(page);
     await dialog.getByLabel("Frame around the sheet").check();
     await until(() => print.isDimmed(), "a dimmed plan");
     const save = dialog.getByRole("button", { name: "Save G-code" });
@@ -123,9 +129,12 @@ describe("the dialog of a print", () => {
     await print.planned();
     assert.equal(await bed.getAttribute("aria-invalid"), null);
     // A fault of a field in a folded group unfolds the group.
+    const release = await holdPlans(page);
     await dialog.getByText("Lifts over strands").click();
     await print.enter("Begins to rise at, mm", 0.1);
     await dialog.getByText("Lifts over strands").click();
+    // The fault must not arrive before the group is folded, since the click would then fold what the fault has unfolded.
+    release();
     await until(() => dialog.getByLabel("Begins to rise at, mm", { exact: true }).isVisible(), "the opened group");
     await print.enter("Begins to rise at, mm", 2);
     await print.planned();
