@@ -120,7 +120,7 @@ export interface KnownPrinter {
   readonly filament: number;
 }
 
-/** Printers of several makers, by their makers' specifications. Temperatures, speeds and lifts are not theirs: they stay as they are set. */
+/** Printers of several makers, by their makers' specifications; docs/notes/weaves.md says what they were compared with. Temperatures, speeds and lifts are not theirs: they stay as they are set. */
 export const KNOWN_PRINTERS: readonly KnownPrinter[] = [
   { name: "Prusa i3 MK3S", bed: [250, 210, 210], nozzle: 0.4, filament: 1.75 },
   { name: "Prusa MK4", bed: [250, 210, 220], nozzle: 0.4, filament: 1.75 },
