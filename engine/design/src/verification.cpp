@@ -84,7 +84,7 @@ microscale::SimulationOptions verification_options(const microscale::Material& m
 
 SimulateProfile simulation_of(const tiling::Family& family, const microscale::SimulationOptions& options) {
   return
-      [&family, options](const Eigen::VectorXd& parameters, const ProfileSamples& samples, const Execution& execution) {
+      [family, options](const Eigen::VectorXd& parameters, const ProfileSamples& samples, const Execution& execution) {
         const auto structure =
             tiling::make_structure(family, {parameters.data(), static_cast<std::size_t>(parameters.size())});
         return simulate_profile(structure, samples, options, execution);
@@ -95,11 +95,9 @@ RestTangent rest_tangent_of(const tiling::Family& family, const microscale::Mate
   microscale::SimulationOptions options;
   options.material = material;
   options.contact = options.patch = options.buckling = Switch::off;
-  return [&family, options](const Eigen::VectorXd& parameters, double width_factor, const Execution& execution) {
-    tiling::Family changed = family;
-    changed.beam_width *= width_factor;
-    const auto structure =
-        tiling::make_structure(changed, {parameters.data(), static_cast<std::size_t>(parameters.size())});
+  return [family, options](const Eigen::VectorXd& parameters, double width_factor, const Execution& execution) {
+    const auto structure = tiling::make_structure(tiling::with_beam_width_factor(family, width_factor),
+                                                  {parameters.data(), static_cast<std::size_t>(parameters.size())});
     microscale::GreenStrainLoad rest;
     rest.strains.emplace_back(Eigen::Vector3d::Zero());
     return microscale::simulate(structure, rest, options, execution).states.at(0).tangent;

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <new>
 #include <string>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "modulus_choice.h"
 #include "supple/base/best_so_far.h"
 #include "supple/base/error.h"
+#include "supple/tiling/definition_text.h"
 #include "supple/tiling/structure.h"
 #include "supple/tiling/tiling_error.h"
 
@@ -152,6 +154,10 @@ VerifiedDesigns verify_designs(std::span<const DesignSpace> spaces, std::span<co
 
 namespace {
 
+std::shared_ptr<const tiling::Family> family_of(const neural::Model& model) {
+  return tiling::family_of(model.family, model.definition);
+}
+
 StructureMeasures measures_of(const tiling::Family& family, const Eigen::VectorXd& parameters) {
   const auto structure =
       tiling::make_structure(family, {parameters.data(), static_cast<std::size_t>(parameters.size())});
@@ -160,7 +166,7 @@ StructureMeasures measures_of(const tiling::Family& family, const Eigen::VectorX
 
 void add_measures_or_message(const DesignSpace& space, Design& design) {
   try {
-    design.measures = measures_of(tiling::family(space.model.family), design.parameters);
+    design.measures = measures_of(*family_of(space.model), design.parameters);
   } catch (const tiling::TilingError& error) {
     design.message +=
         (design.message.empty() ? "" : " ") + ("There is no such structure: " + std::string(error.what()));
@@ -223,19 +229,19 @@ VerifiedDesigns search_designs(std::span<const DesignSpace> spaces, std::span<co
 }
 
 DesignSpace design_space(const neural::Model& model, const neural::Evaluator& evaluator, const Candidates& candidates) {
-  const auto& family = tiling::family(model.family);
+  const auto family = family_of(model);
   return {model, evaluator, candidates,
-          [&family](const Eigen::VectorXd& parameters) {
-            return tiling::can_be_built(family, {parameters.data(), static_cast<std::size_t>(parameters.size())});
+          [family](const Eigen::VectorXd& parameters) {
+            return tiling::can_be_built(*family, {parameters.data(), static_cast<std::size_t>(parameters.size())});
           },
-          [&family](const Eigen::VectorXd& parameters) { return measures_of(family, parameters); }};
+          [family](const Eigen::VectorXd& parameters) { return measures_of(*family, parameters); }};
 }
 
 FamilySimulation simulation_of_model(const neural::Model& model) {
   microscale::Material material;
   material.youngs_modulus = model.provenance.youngs_modulus;
   material.poisson_ratio = model.provenance.poisson_ratio;
-  return verification_of(tiling::family(model.family), material);
+  return verification_of(*family_of(model), material);
 }
 
 }  // namespace supple::design

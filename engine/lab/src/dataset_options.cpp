@@ -8,7 +8,7 @@
 
 #include "supple/base/error.h"
 #include "supple/base/number_text.h"
-#include "supple/tiling/family.h"
+#include "supple/tiling/definition_text.h"
 
 namespace supple::lab {
 namespace {
@@ -177,12 +177,16 @@ constexpr std::int64_t max_designs = 1'000'000'000;
 
 }  // namespace
 
+const tiling::Family& family_of(const DatasetOptions& options) {
+  return options.own_family ? *options.own_family : tiling::family(options.family);
+}
+
 void check(const DatasetOptions& options) {
   std::vector<Error::Detail> details;
   const auto require = [&details](bool is_met, const char* where, std::string message) {
     if (!is_met) details.push_back({where, std::move(message)});
   };
-  const auto& family = tiling::family(options.family);
+  const auto& family = family_of(options);
   require(options.seed <= static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()), "seed",
           "must be below 2^63, got " + std::to_string(options.seed));
   require(options.first >= 0 && options.first <= max_designs, "first",
@@ -219,7 +223,8 @@ dataset::Recipe recipe_of(const DatasetOptions& options) {
   if (options.simulation.refinement != Refinement::off)
     writer.field("refinement", options.simulation.refinement, refinement_names);
   // These settings follow from the family. If they change with a version, older data have another recipe.
-  const auto& family = tiling::family(options.family);
+  const auto& family = family_of(options);
+  if (options.own_family) writer.recipe.set("definition", tiling::to_text(*family.definition));
   std::vector<double> lower;
   std::vector<double> upper;
   for (const auto& parameter : family.parameters) {
@@ -243,6 +248,7 @@ DatasetOptions options_of(const dataset::Recipe& recipe, const dataset::Selectio
   }
   if (recipe.has("list")) reader.field("list", options.list);
   if (recipe.has("directions")) reader.field("directions", options.directions);
+  if (recipe.has("definition")) options.own_family = tiling::family_of(options.family, recipe.text("definition"));
   if (recipe.has("refinement")) reader.field("refinement", options.simulation.refinement, refinement_names);
   options.first = selection.first;
   options.designs = selection.count;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "supple/lab/dataset_options.h"
+#include "supple/tiling/definition_text.h"
 
 namespace supple::lab {
 namespace {
@@ -160,10 +161,15 @@ std::string describe(const Dataset& data) {
   for (const Design& design : data.designs) ++engines[design.engine];
   for (const auto& [engine, count] : engines) text.line("engine {}: {} designs", engine, count);
   text.line("recipe:");
-  for (const auto& setting : data.recipe.settings())
+  for (const auto& setting : data.recipe.settings()) {
+    if (setting.name == "definition") continue;  // which has many lines
     text.line("  {:<26}{}{}", setting.name, dataset::to_string(setting.value),
               setting.unit.empty() || setting.unit == "1" ? "" : " " + setting.unit);
+  }
   text.line("make it again: {}", command_line(data));
+  if (data.recipe.has("definition"))
+    text.line("{}.txt is the definition of the family:\n\n{}", data.recipe.text("family"),
+              data.recipe.text("definition"));
   return text.take();
 }
 
@@ -179,13 +185,19 @@ std::string report(const Dataset& data, int max_failures) {
 
 std::string command_line(const Dataset& data) {
   const auto& selection = data.selection;
-  std::string command = "supple-lab dataset make --family " + data.recipe.text("family");
+  DatasetOptions defaults;
+  defaults.family = data.recipe.text("family");
+  std::string command = "supple-lab dataset make ";
+  if (data.recipe.has("definition")) {
+    defaults.own_family = tiling::family_of(defaults.family, data.recipe.text("definition"));
+    command += "--definition " + defaults.family + ".txt";
+  } else {
+    command += "--family " + defaults.family;
+  }
   command += " --designs " + std::to_string(selection.count);
   if (selection.first != 0) command += " --first " + std::to_string(selection.first);
   if (selection.shards > 1)
     command += " --shard " + std::to_string(selection.shard) + "/" + std::to_string(selection.shards);
-  DatasetOptions defaults;
-  defaults.family = data.recipe.text("family");
   const dataset::Recipe default_recipe = recipe_of(defaults);
   for (const auto& setting : data.recipe.settings()) {
     const auto& others = default_recipe.settings();

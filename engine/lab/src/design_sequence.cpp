@@ -6,7 +6,6 @@
 
 #include "supple/base/random.h"
 #include "supple/base/sobol.h"
-#include "supple/tiling/family.h"
 
 namespace supple::lab {
 namespace {
@@ -37,7 +36,7 @@ std::pair<double, double> range_of(const DatasetOptions& options, const tiling::
 }  // namespace
 
 PlannedDesign planned_design(const DatasetOptions& options, std::int64_t index) {
-  const auto& bounds = tiling::family(options.family).parameters;
+  const auto& bounds = family_of(options).parameters;
   PlannedDesign design{index, options.parameters, {}};
   if (!options.list.empty()) {
     const auto listed = options.list.begin() + index * static_cast<std::int64_t>(bounds.size());

@@ -9,7 +9,6 @@
 #include "supple/base/error.h"
 #include "supple/lab/engine_version.h"
 #include "supple/microscale/simulation.h"
-#include "supple/tiling/family.h"
 #include "supple/tiling/structure.h"
 
 namespace supple::lab {
@@ -134,8 +133,7 @@ dataset::Design simulate_design(const DatasetOptions& options, const PlannedDesi
   const Execution execution{cancellation, nullptr, &ledger};
   run_catching_failures(
       [&] {
-        const auto structure =
-            tiling::make_structure(tiling::family(options.family), planned.parameters, options.box_margin);
+        const auto structure = tiling::make_structure(family_of(options), planned.parameters, options.box_margin);
         microscale::Simulator simulator(structure, options.simulation, execution);
         design.nodes = static_cast<std::int32_t>(simulator.mesh().nodes.cols());
         for (const PlannedPath& path : planned.paths) {

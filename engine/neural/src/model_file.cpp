@@ -30,11 +30,12 @@ using files::Hdf5Writer;
 
 constexpr const char* layout_name = "supple model";
 /// Version 2 of the layout adds the form of rest, the number of layers of the stiffness branch, and the features of the
-/// tile. Version 3 adds the correction of the mesh. A network is written in the lowest version that has all it needs,
-/// so that older programs can read it.
-constexpr std::int64_t newest_version = 3;
+/// tile. Version 3 adds the correction of the mesh, and version 4 beams whose width depends on the parameters. A
+/// network is written in the lowest version that has all it needs, so that older programs can read it.
+constexpr std::int64_t newest_version = 4;
 
 std::int64_t version_of(const Network& network) {
+  if (!network.geometry.beam_width_slopes.empty()) return 4;
   if (network.mesh_correction.size() > 0) return 3;
   const NetworkShape& shape = network.shape;
   const NetworkShape plain;
@@ -120,6 +121,7 @@ void write_extension(Hdf5Writer& file, const NetworkShape& shape, const TileGeom
   points("translations", geometry.translations);
   file.value(group + "/tiles", std::int64_t{geometry.tiles});
   file.value(group + "/beam_width", geometry.beam_width);
+  if (!geometry.beam_width_slopes.empty()) file.column(group + "/beam_width_slopes", geometry.beam_width_slopes, 0);
   std::vector<std::string> kinds;
   std::vector<std::int64_t> places;
   std::vector<double> normalization;
@@ -159,6 +161,9 @@ void read_extension(const Hdf5Reader& file, NetworkShape& shape, TileGeometry& g
   std::copy(translations.begin(), translations.end(), geometry.translations.begin());
   geometry.tiles = size(group + "/tiles");
   geometry.beam_width = file.real(group + "/beam_width");
+  const auto members = file.members(group);
+  if (std::find(members.begin(), members.end(), "beam_width_slopes") != members.end())
+    geometry.beam_width_slopes = file.column<double>(group + "/beam_width_slopes", 0);
   const auto kinds = file.text_column(group + "/feature_kind");
   const auto rows = static_cast<std::int64_t>(kinds.size());
   const auto places = file.column<std::int64_t>(group + "/feature_edge_and_vertex", 2, rows);
@@ -301,6 +306,7 @@ void write_content(Hdf5Writer& file, const Model& model) {
   file.attribute("/", "version", version_of(model.network));
   file.value("id", model.id);
   file.value("family", model.family);
+  if (!model.definition.empty()) file.value("definition", model.definition);
   write_network(file, model.network);
   file.group("strain_range");
   for_each_limit(model.strain_range,
@@ -325,6 +331,7 @@ Model read_content(const Hdf5Reader& file, const std::string& name) {
   Model model;
   model.id = file.text("id");
   model.family = file.text("family");
+  if (file.contains("definition")) model.definition = file.text("definition");
   check_names(model);
   model.network = read_network(file, version);
   for_each_limit(model.strain_range,

@@ -122,11 +122,11 @@ void validate(const Network& network) {
         "must be free where the energy is no sum of squares");
   check(shape.features == static_cast<int>(network.geometry.features.size()), "features",
         "are not as many as the geometry lists");
-  if (shape.features > 0) validate(network.geometry, shape.parameters);
   check(network.lower.size() == shape.parameters && network.upper.size() == shape.parameters, "bounds",
         "are not as many as the parameters");
   check(network.lower.allFinite() && network.upper.allFinite() && (network.lower.array() < network.upper.array()).all(),
         "bounds", "must be finite, lower ones below upper ones");
+  if (shape.features > 0) validate(network.geometry, network.lower, network.upper);
   check_layers(network.strain, "strain", shape.strain_layers, shape.strain_inputs(), shape.width, 0);
   check_layers(network.parameter, "parameter", shape.parameter_layers, shape.design_inputs(), shape.width, 0);
   // The trunk's first layer reads both branches. The checks of the other layers are made with half of its columns.

@@ -48,6 +48,10 @@ DualNumber operator/(const DualNumber& a, const DualNumber& b) {
 }
 DualNumber operator+(const DualNumber& a, double b) { return {a.value + b, a.by}; }
 DualNumber operator*(const DualNumber& a, double b) { return {a.value * b, a.by * b}; }
+DualNumber inverse(const DualNumber& a) {
+  const double value = 1 / a.value;
+  return {value, a.by * (-value * value)};
+}
 DualNumber sqrt(const DualNumber& a) {
   const double root = std::sqrt(a.value);
   return {root, a.by / (2 * root)};
@@ -82,10 +86,22 @@ DualVector point_at(const Eigen::Matrix2Xd& point, std::span<const double> param
   return at;
 }
 
+DualNumber width_at(const TileGeometry& geometry, std::span<const double> parameters) {
+  DualNumber width{.value = geometry.beam_width};
+  for (std::size_t k = 0; k < geometry.beam_width_slopes.size(); ++k) {
+    width.value += geometry.beam_width_slopes[k] * parameters[k];
+    width.by[static_cast<long>(k)] = geometry.beam_width_slopes[k];
+  }
+  return width;
+}
+
 /// The tile at given parameters, with quantities that several features use.
 class TileAt {
  public:
-  TileAt(const TileGeometry& geometry, std::span<const double> parameters) : width_(geometry.beam_width) {
+  TileAt(const TileGeometry& geometry, std::span<const double> parameters) {
+    const auto width = width_at(geometry, parameters);
+    inverse_width_ = inverse(width);
+    squared_smoothing_ = width * smoothing_ratio * smoothing_ratio * width;
     for (const auto& vertex : geometry.vertices) vertices_.push_back(point_at(vertex, parameters));
     DualNumber perimeter;
     for (std::size_t k = 0; k < vertices_.size(); ++k) {
@@ -95,9 +111,9 @@ class TileAt {
     }
     const auto cell =
         cross(point_at(geometry.translations[0], parameters), point_at(geometry.translations[1], parameters));
-    const double smoothing_area = smoothing_ratio * width_ * width_;
+    const auto smoothing_area = width * smoothing_ratio * width;
     // Each beam belongs to two tiles.
-    density_ = perimeter * (0.5 * width_ * geometry.tiles) / sqrt(cell * cell + smoothing_area * smoothing_area);
+    density_ = perimeter * (width * 0.5 * geometry.tiles) / sqrt(cell * cell + smoothing_area * smoothing_area);
   }
 
   DualNumber measure(const TileFeature& feature) const {
@@ -105,9 +121,9 @@ class TileAt {
     const auto vertex = static_cast<std::size_t>(feature.vertex);
     switch (feature.kind) {
       case FeatureKind::length:
-        return lengths_[edge] * (1 / width_);
+        return lengths_[edge] * inverse_width_;
       case FeatureKind::log_length:
-        return log(lengths_[edge] * (1 / width_));
+        return log(lengths_[edge] * inverse_width_);
       case FeatureKind::direction_cos:
         return (edges_[edge].x * edges_[edge].x - edges_[edge].y * edges_[edge].y) / (lengths_[edge] * lengths_[edge]);
       case FeatureKind::direction_sin:
@@ -117,7 +133,7 @@ class TileAt {
       case FeatureKind::corner_sin:
         return cross(edges_[before(vertex)], edges_[vertex]) / (lengths_[before(vertex)] * lengths_[vertex]);
       case FeatureKind::log_gap:
-        return log(smooth_length(from_edge(edge, vertex)) * (1 / width_));
+        return log(smooth_length(from_edge(edge, vertex)) * inverse_width_);
       case FeatureKind::side:
         return cross(edges_[edge], vertices_[vertex] - vertices_[edge]) /
                (lengths_[edge] * smooth_length(from_edge(edge, vertex)));
@@ -130,9 +146,7 @@ class TileAt {
 
  private:
   std::size_t before(std::size_t vertex) const { return (vertex + vertices_.size() - 1) % vertices_.size(); }
-  DualNumber smooth_length(const DualVector& x) const {
-    return sqrt(dot(x, x) + smoothing_ratio * width_ * smoothing_ratio * width_);
-  }
+  DualNumber smooth_length(const DualVector& x) const { return sqrt(dot(x, x) + squared_smoothing_); }
   /// The vector from the edge's nearest point to the vertex.
   DualVector from_edge(std::size_t edge, std::size_t vertex) const {
     const auto x = vertices_[vertex] - vertices_[edge];
@@ -141,7 +155,8 @@ class TileAt {
     return x - edges_[edge] * within;
   }
 
-  double width_;
+  DualNumber inverse_width_;
+  DualNumber squared_smoothing_;
   std::vector<DualVector> vertices_;
   std::vector<DualVector> edges_;
   std::vector<DualNumber> lengths_;
@@ -180,16 +195,22 @@ Eigen::MatrixXd evaluate_features(const TileGeometry& geometry, std::span<const 
   return features;
 }
 
-void validate(const TileGeometry& geometry, int parameters) {
+void validate(const TileGeometry& geometry, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {
   const auto point = [&](const Eigen::Matrix2Xd& affine) {
-    return affine.cols() == 1 + parameters && affine.allFinite();
+    return affine.cols() == 1 + lower.size() && affine.allFinite();
   };
   check(geometry.vertices.size() >= 3 && geometry.vertices.size() <= max_vertices, "has no 3 to 64 vertices");
   check(std::all_of(geometry.vertices.begin(), geometry.vertices.end(), point) &&
             std::all_of(geometry.translations.begin(), geometry.translations.end(), point),
         "points must be finite, with a column more than there are parameters");
   check(geometry.tiles >= 1 && geometry.tiles <= 1000, "must have 1 to 1000 tiles in a cell");
-  check(std::isfinite(geometry.beam_width) && geometry.beam_width > 0, "the beam width must be positive");
+  const auto& slopes = geometry.beam_width_slopes;
+  check(slopes.empty() || static_cast<long>(slopes.size()) == lower.size(),
+        "the beam width must have a slope for each parameter, or none");
+  double least = geometry.beam_width;
+  for (std::size_t k = 0; k < slopes.size(); ++k)
+    least += std::min(slopes[k] * lower[static_cast<long>(k)], slopes[k] * upper[static_cast<long>(k)]);
+  check(std::isfinite(least) && least > 0, "the beam width must be positive within the bounds");
   check(geometry.features.size() <= max_features, "has more than 1024 features");
   const auto corners = static_cast<int>(geometry.vertices.size());
   for (const auto& feature : geometry.features) {

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <sstream>
+#include <utility>
 
 #include "polygon.h"
 #include "square_family.h"
@@ -99,6 +101,18 @@ double beam_width_at(const Family& family, std::span<const double> parameters) {
   if (!family.definition) return family.beam_width;
   const AffineExpression& width = family.definition->beam_width;
   return width.slopes.empty() ? family.beam_width : width(parameters);
+}
+
+Family with_beam_width_factor(const Family& family, double factor) {
+  Family changed = family;
+  changed.beam_width *= factor;
+  if (family.definition) {
+    auto definition = *family.definition;
+    definition.beam_width.constant *= factor;
+    for (double& slope : definition.beam_width.slopes) slope *= factor;
+    changed.definition = std::make_shared<const FamilyDefinition>(std::move(definition));
+  }
+  return changed;
 }
 
 Tiling tiling_of(const Family& family, std::span<const double> parameters, double box_margin) {

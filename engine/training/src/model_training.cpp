@@ -7,9 +7,11 @@
 #include <cctype>
 #include <cstdlib>
 #include <iterator>
+#include <memory>
 #include <set>
 
 #include "supple/base/error.h"
+#include "supple/tiling/definition_text.h"
 #include "supple/tiling/symmetry.h"
 #include "supple/training/model_errors.h"
 #include "supple/training/tile_geometry.h"
@@ -110,7 +112,7 @@ neural::Network narrowed(neural::Network network, const Samples& samples) {
 /// Sets the network with which training begins to that of another model of the family. Its test and validation designs
 /// must be those of the new training unless it is declared foreign.
 void start_from(const ModelOptions& model_options, const ModelData& data, const std::string& family,
-                const Samples& samples, const Split& parts, TrainingOptions& options) {
+                const std::string& definition, const Samples& samples, const Split& parts, TrainingOptions& options) {
   const auto& start = *model_options.start;
   const auto require = [&](bool is_met, const char* requirement) {
     if (is_met) return;
@@ -119,7 +121,7 @@ void start_from(const ModelOptions& model_options, const ModelData& data, const 
                             start.id, start.family, family),
                 {{"start", requirement}});
   };
-  require(start.family == family, "a model of the same family");
+  require(start.family == family && start.definition == definition, "a model of the same family");
   options.start = start.network;
   // The bounds differ if the model was narrowed, or if it is foreign.
   if (!std::ranges::equal(start.network.lower, samples.lower) ||
@@ -136,7 +138,8 @@ void start_from(const ModelOptions& model_options, const ModelData& data, const 
 
 /// The input of a training, made from the data and the options of a model.
 struct PreparedTraining {
-  const tiling::Family& family;
+  std::shared_ptr<const tiling::Family> family;
+  std::string definition;  ///< as in neural::Model
   Samples samples;
   Split parts;
   TrainingOptions training;
@@ -144,13 +147,16 @@ struct PreparedTraining {
 };
 
 PreparedTraining prepare(const ModelData& data, const ModelOptions& options) {
-  const auto& family = tiling::family(data.data.recipe.text("family"));
-  PreparedTraining prepared{family, read_samples(data, options.samples), {}, options.training, {}};
+  const auto& recipe = data.data.recipe;
+  const auto definition = recipe.has("definition") ? recipe.text("definition") : std::string();
+  const auto shared = tiling::family_of(recipe.text("family"), definition);
+  const auto& family = *shared;
+  PreparedTraining prepared{shared, definition, read_samples(data, options.samples), {}, options.training, {}};
   prepared.parts = split(prepared.samples, options.split);
   auto& training = prepared.training;
   training.shape.parameters = static_cast<int>(prepared.samples.lower.size());
   if (options.start) {
-    start_from(options, data, family.id, prepared.samples, prepared.parts, training);
+    start_from(options, data, family.id, definition, prepared.samples, prepared.parts, training);
   } else if (options.use_features) {
     training.geometry = tile_geometry(family);
     training.shape.features = static_cast<int>(training.geometry.features.size());
@@ -165,9 +171,10 @@ neural::Model model_of(const PreparedTraining& prepared, const ModelOptions& opt
   neural::Model model;
   model.id = options.id;
   if (model.id.empty())
-    std::transform(prepared.family.id.begin(), prepared.family.id.end(), std::back_inserter(model.id),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  model.family = prepared.family.id;
+    std::transform(prepared.family->id.begin(), prepared.family->id.end(), std::back_inserter(model.id),
+                   [](unsigned char c) { return c == '_' ? '-' : static_cast<char>(std::tolower(c)); });
+  model.family = prepared.family->id;
+  model.definition = prepared.definition;
   model.network = narrowed(network, prepared.samples);
   model.strain_range = strain_range(model.network, prepared.samples, prepared.parts.training);
   model.design_split = split_errors(model.network, prepared.samples, prepared.parts.test);
@@ -252,7 +259,8 @@ ModelSamples samples_of(const neural::Model& model, const ModelData& data) {
 }
 
 neural::Model symmetrized(neural::Model model, const ModelData& data) {
-  const auto& family = tiling::family(model.family);
+  const auto shared = tiling::family_of(model.family, model.definition);
+  const auto& family = *shared;
   const auto [samples, parts, options] = samples_of(model, data);
   auto& symmetries = model.network.symmetries;
   symmetries.clear();

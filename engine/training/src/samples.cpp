@@ -78,9 +78,9 @@ void check_training_only_data(const ModelData& data) {
 }
 
 /// Settings on which the stiffness of an undeformed design depends.
-constexpr std::array<std::string_view, 9> rest_stiffness_settings{"family",        "law",        "youngs_modulus",
-                                                                  "poisson_ratio", "mesh_size",  "corner_size",
-                                                                  "mesh_region",   "refinement", "beam_width"};
+constexpr std::array<std::string_view, 10> rest_stiffness_settings{
+    "family",    "definition",  "law",         "youngs_modulus", "poisson_ratio",
+    "mesh_size", "corner_size", "mesh_region", "refinement",     "beam_width"};
 
 /// Those settings that determine the mesh.
 constexpr std::array<std::string_view, 4> mesh_settings{"mesh_size", "corner_size", "mesh_region", "refinement"};

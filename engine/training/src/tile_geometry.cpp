@@ -8,6 +8,7 @@
 
 #include "supple/base/error.h"
 #include "supple/base/sobol.h"
+#include "supple/tiling/family_definition.h"
 
 namespace supple::training {
 namespace {
@@ -88,6 +89,11 @@ TileGeometry without_features(const tiling::Family& family) {
   geometry.translations = {affine(corners), affine(corners + 1)};
   geometry.tiles = static_cast<int>(tiling.placements.size());
   geometry.beam_width = family.beam_width;
+  if (family.definition && !family.definition->beam_width.slopes.empty()) {
+    geometry.beam_width = family.definition->beam_width.constant;
+    geometry.beam_width_slopes = family.definition->beam_width.slopes;
+    geometry.beam_width_slopes.resize(n);
+  }
   return geometry;
 }
 

@@ -10,6 +10,7 @@
 #include "supple/design/verification.h"
 #include "supple/design/verified_designs.h"
 #include "supple/microscale/simulation.h"
+#include "supple/tiling/family_definition.h"
 #include "supple/tiling/tiling_error.h"
 #include "test_space.h"
 
@@ -115,6 +116,20 @@ TEST(BeamWidthSensitivity, IsThatOfARealStructure) {
   EXPECT_GT(sensitivity.wider.value(), 0.04);
   EXPECT_LT(sensitivity.wider.value(), 0.25);
   EXPECT_NEAR(*sensitivity.wider, *sensitivity.narrower, 0.25 * *sensitivity.wider);
+}
+
+TEST(BeamWidthSensitivity, IsTheSameWhetherTheWidthIsAParameterOrNot) {
+  auto definition = *tiling::family("IH21").definition;
+  const auto fixed = rest_tangent_of(tiling::make_family(definition), {});
+  const double width = definition.beam_width.constant;
+  definition.parameters.push_back({"Width of the beams", {0.5 * width, 1.5 * width, width}});
+  definition.beam_width = {0, 0, 0, 1};
+  const auto varying = rest_tangent_of(tiling::make_family(definition), {});
+  for (const double factor : {0.95, 1.0, 1.05}) {
+    const Eigen::Matrix3d expected = fixed(Eigen::Vector2d(0.105, 0.65), factor, {});
+    const Eigen::Matrix3d found = varying(Eigen::Vector3d(0.105, 0.65, width), factor, {});
+    EXPECT_NEAR((found - expected).norm() / expected.norm(), 0, 1e-9) << factor;
+  }
 }
 
 TEST(SearchDesigns, SayHowSensitiveTheyAreWhereTheRequestAsksForIt) {

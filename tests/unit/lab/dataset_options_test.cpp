@@ -3,10 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "supple/base/error.h"
+#include "supple/lab/design_sequence.h"
+#include "supple/tiling/family_definition.h"
 
 namespace supple::lab {
 namespace {
@@ -42,6 +45,29 @@ TEST(DatasetOptions, ComeBackFromTheRecipeTheyBecame) {
   EXPECT_EQ(back.simulation.material.law, microscale::Law::incompressible_plane_stress);
   EXPECT_FALSE(back.simulation.tangents);
   EXPECT_EQ(back.part_upper, options.part_upper);
+}
+
+TEST(DatasetOptions, ComeBackFromTheRecipeWithAFamilyOfOnesOwn) {
+  EXPECT_FALSE(recipe_of(usual()).has("definition"));
+  auto definition = *tiling::family("IH21").definition;
+  definition.id = "own";
+  definition.parameters[0].range.lower = 0.12;
+  definition.beam_width = {0.01, 0.2, 0.05};
+  DatasetOptions options;
+  options.family = "own";
+  options.own_family = std::make_shared<const tiling::Family>(tiling::make_family(definition));
+  check(options);
+  const DatasetOptions back = options_of(recipe_of(options), selection_of(options));
+  EXPECT_EQ(*family_of(back).definition, definition);
+  EXPECT_EQ(recipe_of(back), recipe_of(options));
+  EXPECT_GE(planned_design(back, 4).parameters[0], 0.12 - back.box_margin * 0.1)
+      << "within the bounds of the definition";
+  dataset::Recipe damaged;
+  for (const auto& setting : recipe_of(options).settings())
+    damaged.set(setting.name,
+                setting.name == "definition" ? dataset::Recipe::Value(std::string("none")) : setting.value,
+                setting.unit);
+  EXPECT_THROW((void)options_of(damaged, selection_of(options)), Error);
 }
 
 TEST(DatasetOptions, ComeBackFromTheRecipeWithAListAndARefinement) {

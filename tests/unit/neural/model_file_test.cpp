@@ -103,6 +103,23 @@ TEST_F(ModelFile, TheFormOfRestAndFeaturesOfTheTileAreReadBack) {
   EXPECT_EQ(back.network.stiffness[3].weights, model.network.stiffness[3].weights);
 }
 
+TEST_F(ModelFile, TheDefinitionOfItsFamilyAndTheWidthOfItsBeamsAreReadBack) {
+  EXPECT_EQ(model.definition, "");
+  NetworkShape shape;
+  shape.width = 24;
+  shape.parameters = 2;
+  shape.features = 17;
+  model.network = random_network(shape, 6);
+  model.network.geometry.beam_width_slopes = {0.01, 0.02};
+  model.definition = "of a family\nin lines\n";
+  write_model(path, model);
+  EXPECT_EQ(files::Hdf5Reader(path).integer_attribute("/", "version"), 4)
+      << "an older program would take the beams for constant ones";
+  const auto back = read_model(path);
+  EXPECT_EQ(back.definition, model.definition);
+  EXPECT_EQ(back.network.geometry.beam_width_slopes, model.network.geometry.beam_width_slopes);
+}
+
 TEST_F(ModelFile, AModelThatNeedsNothingNewIsWrittenAsOlderProgramsReadIt) {
   write_model(path, model);
   EXPECT_EQ(files::Hdf5Reader(path).integer_attribute("/", "version"), 1);

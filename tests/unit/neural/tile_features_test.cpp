@@ -60,8 +60,12 @@ TEST(TileFeatures, AVertexThatCrossesAnEdgeChangesItsSideAndClosesItsGap) {
 
 TEST(TileFeatures, DerivativesAgreeWithDifferencesAlsoWhereTilesCrossThemselvesOrLengthsVanish) {
   RandomStream stream("features", 2);
-  const auto geometry = random_geometry(3, 50, stream);
+  const auto constant_width = random_geometry(3, 50, stream);
+  auto varying_width = constant_width;
+  varying_width.beam_width = 0.3;
+  varying_width.beam_width_slopes = {0.05, 0, -0.08};
   for (int trial = 0; trial < 40; ++trial) {
+    const auto& geometry = trial % 2 == 0 ? constant_width : varying_width;
     std::vector<double> parameters;
     for (int k = 0; k < 3; ++k) parameters.push_back(stream.uniform(-1.2, 1.2));
     if (trial == 0) {
@@ -88,6 +92,33 @@ TEST(TileFeatures, DerivativesAgreeWithDifferencesAlsoWhereTilesCrossThemselvesO
           << "trial " << trial;
     }
   }
+}
+
+TEST(TileFeatures, HaveTheWidthThatBeamsHaveAtTheParameters) {
+  auto varying = rectangle();
+  varying.beam_width = 0.2;
+  varying.beam_width_slopes = {0.05, -0.01};
+  auto constant = rectangle();
+  constant.beam_width = 0.2 + 0.05 * 2 - 0.01 * 3;
+  const std::vector parameters{2.0, 3.0};
+  EXPECT_TRUE(
+      evaluate_features(varying, parameters, false).isApprox(evaluate_features(constant, parameters, false), 1e-12));
+}
+
+TEST(TileFeatures, AreRefusedWhereBeamsHaveNoWidth) {
+  auto geometry = rectangle();
+  const Eigen::Vector2d lower(1, 2), upper(3, 4);
+  const auto refused = [&] {
+    testing::expect_error("model.invalid_network", [&] { validate(geometry, lower, upper); });
+  };
+  geometry.beam_width_slopes = {0.05};
+  refused();
+  geometry.beam_width_slopes = {0.05, std::nan("")};
+  refused();
+  geometry.beam_width_slopes = {0, -0.025};
+  refused();
+  geometry.beam_width_slopes = {0, -0.024};
+  validate(geometry, lower, upper);
 }
 
 TEST(TileFeatures, AnUnknownFeatureIsRefusedWithTheKnownOnes) {

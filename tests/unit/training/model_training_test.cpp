@@ -10,6 +10,7 @@
 #include "sample_data.h"
 #include "supple/microscale/simulation.h"
 #include "supple/neural/evaluator.h"
+#include "supple/tiling/definition_text.h"
 #include "supple/tiling/structure.h"
 #include "support/expect_error.h"
 #include "support/random_network.h"
@@ -161,6 +162,35 @@ TEST(TrainModel, GoesOnWithAModelOfTheSameDataAndSplit) {
   on.start = first.model;
   on.start->family = "IH50";
   testing::expect_error("training.different_data", [&] { (void)train(on); });
+}
+
+TEST(TrainModel, KeepsTheDefinitionOfAFamilyOfOnesOwn) {
+  ModelData data{drawn_data(60), {}};
+  auto definition = *tiling::family("IH28").definition;
+  definition.id = "Own_1";
+  definition.beam_width = {0.1, 0.01};
+  data.data.recipe.set("family", definition.id);
+  data.data.recipe.set("definition", tiling::to_text(definition));
+  data.data.recipe.set("youngs_modulus", 10.0);
+  data.data.recipe.set("poisson_ratio", 0.4);
+  ModelOptions options;
+  options.use_features = true;
+  options.training.shape.width = 16;
+  options.training.epochs = 2;
+  const auto train = [&](const ModelOptions& with) {
+    return train_model(data, "drawn", "test", with, {}, {}, [](auto&) {}).model;
+  };
+  const auto model = train(options);
+  EXPECT_EQ(model.id, "own-1");
+  EXPECT_EQ(model.family, "Own_1");
+  EXPECT_EQ(tiling::definition_of_text(model.definition), definition);
+  EXPECT_EQ(model.network.geometry.beam_width_slopes, (std::vector<double>{0.01, 0}));
+
+  // A start of a family that has the same id and is another one is refused.
+  options.start = model;
+  definition.beam_width = {0.1, 0.02};
+  options.start->definition = tiling::to_text(definition);
+  testing::expect_error("training.different_data", [&] { (void)train(options); });
 }
 
 TEST(ReadSamples, FurtherDataTrainAndLeaveTheHeldOutDesignsAsTheyAre) {

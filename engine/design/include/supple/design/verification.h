@@ -27,7 +27,7 @@ microscale::SimulationOptions verification_options(const microscale::Material& m
 Eigen::VectorXd simulate_profile(const tiling::Structure& structure, const ProfileSamples& samples,
                                  const microscale::SimulationOptions& options, const Execution& execution = {});
 
-/// Simulates structures of the family. The family must outlive the function that is returned.
+/// Simulates structures of the family.
 SimulateProfile simulation_of(const tiling::Family& family, const microscale::SimulationOptions& options);
 
 /// The simulations of one family's structures.
@@ -41,7 +41,7 @@ struct FamilySimulation {
 };
 
 /// The tangent at rest of the family's structures, on the mesh of the data sets, whose error hardly changes with the
-/// beam width. The family must outlive the function that is returned, which takes some tens of milliseconds.
+/// beam width. A call takes some tens of milliseconds.
 RestTangent rest_tangent_of(const tiling::Family& family, const microscale::Material& material);
 
 /// The simulation with `verification_options`, which extrapolates, and the one on the mesh from which it extrapolates.

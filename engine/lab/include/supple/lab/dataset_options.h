@@ -1,18 +1,22 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "supple/dataset/dataset.h"
 #include "supple/lab/load_plan.h"
 #include "supple/microscale/simulation.h"
+#include "supple/tiling/family.h"
 
 namespace supple::lab {
 
 /// The content of a data set, and how accurately it is computed.
 struct DatasetOptions {
-  std::string family;      ///< e.g. "IH21"
+  std::string family;  ///< e.g. "IH21"
+  /// A family of one's own with the id `family`, which has a definition; null for a shipped family.
+  std::shared_ptr<const tiling::Family> own_family;
   std::uint64_t seed = 1;  ///< below 2^63
   /// Index of the first design in the sequence of designs. The sequence does not depend on the number of designs, so
   /// that a data set can continue where an earlier one ended.
@@ -47,11 +51,15 @@ struct DatasetOptions {
 /// patches and buckling are off, because they matter under a load only. The caller sets the family.
 DatasetOptions rest_options();
 
+/// The family whose designs are simulated. Throws what tiling::family throws.
+const tiling::Family& family_of(const DatasetOptions& options);
+
 /// Throws "dataset.invalid_option", which names each option with its limits, and what tiling::family throws.
 void check(const DatasetOptions& options);
 
-/// All settings that decide the content, with their units. A part, a list and a refinement are included only if the
-/// options have them, so that data sets from before these options existed have the same recipe.
+/// All settings that decide the content, with their units. A part, a list, a refinement and the definition of a family
+/// of one's own are included only if the options have them, so that data sets from before these options existed have
+/// the same recipe.
 dataset::Recipe recipe_of(const DatasetOptions& options);
 /// The options that have this recipe and selection: the inverse of recipe_of and selection_of. Throws "file.unreadable"
 /// if a setting is missing or has an unknown value.

@@ -58,8 +58,9 @@ struct Provenance {
 
 /// A trained network with everything that a user must know about it.
 struct Model {
-  std::string id;      ///< names it in requests: lower-case letters, digits and "-", by default the family's id
-  std::string family;  ///< as in tiling::family
+  std::string id;            ///< names it in requests: lower-case letters, digits and "-", by default the family's id
+  std::string family;        ///< as in tiling::family_of
+  std::string definition{};  ///< of a family of one's own, as tiling::to_text writes it; empty for a shipped one
   Network network;
   StrainRange strain_range;
   Provenance provenance;

@@ -44,7 +44,8 @@ struct TileGeometry {
   std::vector<Eigen::Matrix2Xd> vertices;          ///< in order around the tile
   std::array<Eigen::Matrix2Xd, 2> translations{};  ///< translations of the lattice
   int tiles = 1;                                   ///< number of tiles in one cell
-  double beam_width = 1;
+  double beam_width = 1;                           ///< tiling units; with slopes the one at zero parameters
+  std::vector<double> beam_width_slopes;  ///< its derivative with respect to each parameter; empty if it is constant
   std::vector<TileFeature> features;
 
   bool empty() const { return features.empty(); }
@@ -56,8 +57,8 @@ struct TileGeometry {
 Eigen::MatrixXd evaluate_features(const TileGeometry& geometry, std::span<const double> parameters,
                                   bool with_derivatives);
 
-/// Throws "model.invalid_network" unless all points have `parameters` + 1 columns, features name edges and vertices
-/// that exist, and all numbers are finite.
-void validate(const TileGeometry& geometry, int parameters);
+/// Throws "model.invalid_network" unless all points have a column more than there are bounds, features name edges and
+/// vertices that exist, all numbers are finite, and beams have a width within the bounds of the parameters.
+void validate(const TileGeometry& geometry, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper);
 
 }  // namespace supple::neural

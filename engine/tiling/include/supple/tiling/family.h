@@ -77,6 +77,9 @@ std::vector<double> presets(const Family& family);
 /// it depend on the parameters.
 double beam_width_at(const Family& family, std::span<const double> parameters);
 
+/// The same family with beams that are wider by this factor at all parameters.
+Family with_beam_width_factor(const Family& family, double factor);
+
 /// Checks the parameters and makes the tiling. Throws "tiling.parameter_count", "tiling.parameter_out_of_bounds" (which
 /// names each parameter with its bounds and value) and "tiling.cell_too_small" (a tile has less than 10 % of the area
 /// of the default tile, and the family's holes may not close). `box_margin` widens the bounds by this fraction of their
