@@ -55,13 +55,14 @@ def free_port() -> int:
         return int(probe.getsockname()[1])
 
 
-def make_model(path: Path, model_id: str = "ih21", seed: int = 1, gain: float = 1) -> Path:
+def make_model(path: Path, model_id: str = "ih21", seed: int = 1, gain: float = 1, family: str = "") -> Path:
     """Creates a model with random weights, whose file appears atomically. It has two parameters, those of IH21.
 
-    `gain` multiplies the last layer's weights: with 1e160 every energy overflows except that at rest.
+    `gain` multiplies the last layer's weights: with 1e160 every energy overflows except that at rest. With `family` it is of a family
+    of this id, whose definition it has: that of IH21.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    subprocess.run([str(MODEL_MAKER), str(path), model_id, str(seed), repr(gain)], check=True, timeout=60)
+    subprocess.run([str(MODEL_MAKER), str(path), model_id, str(seed), repr(gain), *([family] if family else [])], check=True, timeout=60)
     return path
 
 

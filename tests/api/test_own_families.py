@@ -13,7 +13,7 @@ import pytest
 
 import supple
 from contract import Contract
-from harness import CLI, Api, ServerProcess, pointers, problem_code
+from harness import CLI, Api, ServerProcess, make_model, pointers, problem_code
 from test_access import add_key, id_of
 from test_backup import command
 from test_replicas import Replicas
@@ -144,6 +144,28 @@ def test_designs_say_that_an_added_family_has_no_model_yet(api: Api, own: str) -
     for response in (design, profile):
         assert (response.status_code, problem_code(response), pointers(response)) == (422, "design.no_model", ["/family"])
         assert "has no model yet" in response.json()["detail"]
+
+
+def test_designs_are_found_in_a_family_that_a_model_defines(new_server: NewServer, contract: Contract, tmp_path: Path) -> None:
+    models = tmp_path / "models"
+    make_model(models / "own.h5", "own", family="own")
+    make_model(models / "shipped.h5", "shipped")
+    api = Api(new_server("--models", str(models)), contract)
+    body = {"task": "stress_strain", "target": {"control_points": [[0, 0], [0.1, 0.1]]}}
+    design = api.post("/v1/designs", {"family": "own", **body})
+    assert design.status_code == 200, design.text
+    assert (design.json()["family"], design.json()["model"]) == ("own", "own")
+    # The definition is that of IH21, so that the structures are the same.
+    own, shipped = (api.post("/v1/designs", {"model": model, "fixed": [0.15, 0.65], **body}).json()["structure"] for model in ("own", "shipped"))
+    assert own["relative_density"] == shipped["relative_density"]
+    # Everyone may use the family of a model, also without a design.
+    assert api.get(own["svg"]).status_code == 200
+    assert ids(api) == ["own"] and api.get(f"{FAMILIES}/own").json()["definition"]["shapes"][0] == {"class": "S"}
+    # One that a client has added under its name is another family, and has no model.
+    add(api, slanted("own"))
+    assert ids(api) == ["own"] and api.get(f"{FAMILIES}/own").json()["parameters"]["upper"] == [0.5]
+    refused = api.post("/v1/designs", {"family": "own", **body})
+    assert (refused.status_code, problem_code(refused)) == (422, "design.no_model")
 
 
 def test_families_of_the_server_are_not_removed(api: Api) -> None:

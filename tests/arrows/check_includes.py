@@ -38,7 +38,7 @@ ROOMS = {
     "server/configuration": {"problem", "configuration"},
     "server/http": {"base", "problem", "budget", "log", "http"},
     "server/json": {"base", "numerics", "surface", "embedded", "voronoi", "outlines", "tiling", "microscale", "weave", "neural", "design", "problem", "budget", "json"},
-    "server/store": {"base", "numerics", "surface", "neural", "design", "problem", "store"},
+    "server/store": {"base", "numerics", "surface", "tiling", "neural", "design", "problem", "store"},
     "server/metrics": {"base", "problem", "metrics"},
     "server/jobs": {"base", "problem", "budget", "log", "store", "jobs"},
     "server/routes": {"base", "surface", "embedded", "voronoi", "outlines", "tiling", "microscale", "weave", "neural", "design", "problem", "budget", "access", "http",

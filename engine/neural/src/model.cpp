@@ -17,7 +17,9 @@ std::vector<std::size_t> best_of_families(std::span<const Model* const> models) 
   };
   std::vector<std::size_t> best;
   for (std::size_t i = 0; i < models.size(); ++i) {
-    const auto same = std::ranges::find_if(best, [&](std::size_t b) { return models[b]->family == models[i]->family; });
+    const auto same = std::ranges::find_if(best, [&](std::size_t b) {
+      return models[b]->family == models[i]->family && models[b]->definition == models[i]->definition;
+    });
     if (same == best.end()) {
       best.push_back(i);
     } else if (error(i) < error(*same)) {

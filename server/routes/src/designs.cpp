@@ -45,17 +45,18 @@ std::vector<Model> models_by_family(const store::ModelStore& store) {
 /// The model of a family. Throws "design.no_model" with a pointer to the field.
 Model model_of_family(const Loader& loader, const std::string& family, const std::string& region) {
   const auto models = models_by_family(loader.models());
+  const auto definition = loader.definition_of_added(family);
   std::string known;
   for (const auto& model : models) {
-    if (model->model.family == family) return model;
+    // Another family may have the name that a client has given to one of its own.
+    if (model->model.family == family && (definition.empty() || model->model.definition == definition)) return model;
     known += (known.empty() ? "" : ", ") + model->model.family;
   }
   const std::string there_are = "; there are models of: " + (known.empty() ? "none" : known) + ".";
-  const std::string text = loader.has_added_family(family)
-                               ? "The family " + family +
-                                     ", which you have added, has no model yet, so that no design is found in it" +
-                                     there_are
-                               : "No model of the family " + family.substr(0, 100) + " is loaded" + there_are;
+  const std::string text =
+      !definition.empty() ? "The family " + family +
+                                ", which you have added, has no model yet, so that no design is found in it" + there_are
+                          : "No model of the family " + family.substr(0, 100) + " is loaded" + there_are;
   throw Error("design.no_model", text, {{region + "/family", text}});
 }
 

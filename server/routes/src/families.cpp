@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -43,12 +44,16 @@ std::string owner_of_families(const http::Request& request) {
   return owner;
 }
 
+/// The answer about a family that nobody has added.
+std::string answer_about(const tiling::Family& family) {
+  return json::write_family(family, tiling::make_structure(family, tiling::presets(family)), {});
+}
+
 /// The answers about the families that come with the server, in their order. Made once.
 const std::vector<std::string>& shipped_answers() {
   static const auto answers = [] {
     std::vector<std::string> result;
-    for (const auto& family : tiling::families())
-      result.push_back(json::write_family(family, tiling::make_structure(family, tiling::presets(family)), {}));
+    for (const auto& family : tiling::families()) result.push_back(answer_about(family));
     return result;
   }();
   return answers;
@@ -177,8 +182,15 @@ http::Response add_family(Services& services, const http::Request& request) {
 http::Response list_families(const Services& services, const http::Request& request) {
   require_ready(services);
   auto answers = shipped_answers();
-  for (auto& family : services.store->families().families(owner_of_families(request)))
+  std::set<std::string> listed;
+  for (auto& family : services.store->families().families(owner_of_families(request))) {
+    listed.insert(family.name);
     answers.push_back(std::move(family.description));
+  }
+  for (const auto& model : services.models->models()) {
+    const bool is_published = !model->model.definition.empty();
+    if (is_published && listed.insert(model->model.family).second) answers.push_back(answer_about(*model->family));
+  }
   return json_response(json::write_families(answers));
 }
 
@@ -188,9 +200,10 @@ http::Response show_family(const Services& services, const http::Request& reques
     return json_response(shipped_answers()[static_cast<std::size_t>(family - tiling::families().data())]);
   require_ready(services);
   const auto owner = owner_of_families(request);
-  auto record = services.store->families().family(owner, name);
-  if (!record) throw_family_not_found(services, owner, name);
-  return json_response(std::move(record->description));
+  if (auto record = services.store->families().family(owner, name))
+    return json_response(std::move(record->description));
+  if (const auto published = published_family(services, name)) return json_response(answer_about(*published));
+  throw_family_not_found(services, owner, name);
 }
 
 http::Response remove_family(Services& services, const http::Request& request) {

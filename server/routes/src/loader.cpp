@@ -9,6 +9,7 @@
 #include "supple/json/family_definitions.h"
 #include "supple/json/requests.h"
 #include "supple/store/store_error.h"
+#include "supple/tiling/definition_text.h"
 #include "supple/tiling/family_definition.h"
 
 namespace supple::routes {
@@ -29,15 +30,21 @@ std::shared_ptr<const store::LoadedMesh> Loader::mesh(const std::string& id, dou
 std::shared_ptr<const tiling::Family> Loader::family(const std::string& name) const {
   if (const auto* const shipped = tiling::find_family(name)) return {std::shared_ptr<void>(), shipped};
   const auto record = services_.store->families().family(request_.key, name);
-  if (!record) throw_family_not_found(services_, request_.key, name);
+  if (!record) {
+    if (auto published = published_family(services_, name)) return published;
+    throw_family_not_found(services_, request_.key, name);
+  }
   if (added_families_.find(record->id) == std::string::npos)
     added_families_ += (added_families_.empty() ? "" : ",") + record->id;
   return std::make_shared<const tiling::Family>(
       tiling::make_family(json::parse_family_definition(record->definition, limits(), cancellation())));
 }
 
-bool Loader::has_added_family(const std::string& name) const {
-  return services_.store->families().family(request_.key, name).has_value();
+std::string Loader::definition_of_added(const std::string& name) const {
+  if (tiling::find_family(name)) return {};  // whose names nobody gives to a family, so that no database is asked
+  const auto record = services_.store->families().family(request_.key, name);
+  if (!record) return {};
+  return tiling::to_text(json::parse_family_definition(record->definition, limits(), cancellation()));
 }
 
 const surface::NearestPointSearch& Loader::nearest_search(const std::string& id, const store::LoadedMesh& mesh,

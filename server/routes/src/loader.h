@@ -34,11 +34,12 @@ class Loader {
       : services_(services), request_(request), execution_(&execution) {}
 
   const json::Limits& limits() const { return services_.limits.json; }
-  /// The family of this name: one that comes with the server, or one that the request's key has added. Throws
-  /// "tiling.family_not_found", which lists both.
+  /// The family of this name: one that comes with the server, one that the request's key has added, or one that a
+  /// loaded model defines. Throws "tiling.family_not_found", which lists them.
   std::shared_ptr<const tiling::Family> family(const std::string& name) const;
-  /// Whether the request's key has added a family of this name.
-  bool has_added_family(const std::string& name) const;
+  /// The definition, as tiling::to_text writes it, of the family of this name that the request's key has added; empty
+  /// if there is none.
+  std::string definition_of_added(const std::string& name) const;
   /// The ids of the added families that were asked for, separated by commas.
   const std::string& added_families() const { return added_families_; }
 

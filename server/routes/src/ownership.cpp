@@ -17,6 +17,12 @@ void require_job(const Services& services, const http::Request& request, const s
   if (!owner.empty() && !services.store->jobs().owns_job(id, owner)) throw store::JobNotFound(id);
 }
 
+std::shared_ptr<const tiling::Family> published_family(const Services& services, const std::string& name) {
+  for (const auto& model : services.models->models())
+    if (model->model.family == name && !model->model.definition.empty()) return model->family;
+  return nullptr;
+}
+
 void throw_family_not_found(const Services& services, const std::string& owner, const std::string& name) {
   constexpr std::size_t max_listed = 20;  // of the owner's; GET /v1/families lists all
   std::string known;

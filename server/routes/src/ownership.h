@@ -1,9 +1,11 @@
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "supple/http/message.h"
 #include "supple/routes/services.h"
+#include "supple/tiling/family.h"
 
 namespace supple::routes {
 
@@ -18,6 +20,9 @@ inline const std::string& owner_filter(const http::Request& request) {
 void require_mesh(const Services& services, const http::Request& request, const std::string& id);
 /// The same for a job, with "job.not_found".
 void require_job(const Services& services, const http::Request& request, const std::string& id);
+
+/// The family of this name that a loaded model defines, which everyone may use; null if there is none.
+std::shared_ptr<const tiling::Family> published_family(const Services& services, const std::string& name);
 
 /// Throws "tiling.family_not_found", which lists the families that come with the server and those of an owner.
 [[noreturn]] void throw_family_not_found(const Services& services, const std::string& owner, const std::string& name);

@@ -12,6 +12,7 @@
 #include "supple/base/error.h"
 #include "supple/store/store.h"
 #include "supple/store/store_error.h"
+#include "supple/tiling/definition_text.h"
 
 namespace supple::store {
 namespace {
@@ -27,6 +28,16 @@ std::string content(const fs::path& path) {
   std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   if (!file) throw Error("file.unreadable", "The file cannot be read.");
   return bytes;
+}
+
+/// The family whose structures a model's designs are. Throws where there is none, or one with other parameters.
+std::shared_ptr<const tiling::Family> family_of(const neural::Model& model) {
+  auto family = tiling::family_of(model.family, model.definition);
+  if (family->parameters.size() != static_cast<std::size_t>(model.network.shape.parameters))
+    throw Error("file.unreadable", "Its family " + model.family + " has " + std::to_string(family->parameters.size()) +
+                                       " parameters, and its network has " +
+                                       std::to_string(model.network.shape.parameters) + ".");
+  return family;
 }
 
 }  // namespace
@@ -168,11 +179,13 @@ bool ModelStore::read(const std::string& name, const Stamp& stamp, File& file) {
     auto hash = sha256(bytes);
     auto model =
         read_in_time([&](const Execution& execution) { return neural::read_model(bytes, path.string(), execution); });
+    auto family = family_of(model);
     auto description = options_.describe(model, hash);
     neural::Evaluator evaluator(model.network);
     design::Candidates candidates(model.network);
-    loaded = std::make_shared<const LoadedModel>(LoadedModel{
-        std::move(model), std::move(evaluator), std::move(candidates), std::move(hash), std::move(description)});
+    loaded =
+        std::make_shared<const LoadedModel>(LoadedModel{std::move(model), std::move(evaluator), std::move(candidates),
+                                                        std::move(family), std::move(hash), std::move(description)});
   } catch (const Cancelled&) {
     return false;  // the server ends, which says nothing about the file
   } catch (const std::exception& error) {

@@ -145,6 +145,8 @@ TEST(BestOfFamilies, AreThoseThatErrLeastOnDesignsNotSeen) {
   for (const Model& model : models) pointers.push_back(&model);
   EXPECT_EQ(best_of_families(pointers), (std::vector<std::size_t>{2, 3, 5}));
   EXPECT_TRUE(best_of_families({}).empty());
+  models[0].definition = "another family of this name";
+  EXPECT_EQ(best_of_families(pointers), (std::vector<std::size_t>{0, 2, 3, 5}));
 }
 
 }  // namespace

@@ -72,8 +72,9 @@ struct Model {
 /// The mean relative error of the stress on designs that training has not seen; none if it was not measured.
 std::optional<double> mean_stress_error(const Model& model);
 
-/// The indices of the best model of each family, in the order in which the families first occur. The best model is the
-/// one with the least mean_stress_error, or the first one if these errors were not measured.
+/// The indices of the best model of each family, in the order in which the families first occur. Families with one id
+/// and different definitions are different ones. The best model is the one with the least mean_stress_error, or the
+/// first one if these errors were not measured.
 std::vector<std::size_t> best_of_families(std::span<const Model* const> models);
 
 /// Whether these parameters and this strain (E_xx, E_yy, 2 E_xy) lie within the ranges on which the model was trained.

@@ -16,6 +16,7 @@
 #include "supple/design/candidates.h"
 #include "supple/neural/evaluator.h"
 #include "supple/neural/model.h"
+#include "supple/tiling/family.h"
 
 namespace supple::store {
 
@@ -24,6 +25,7 @@ struct LoadedModel {
   neural::Model model;
   neural::Evaluator evaluator;
   design::Candidates candidates;
+  std::shared_ptr<const tiling::Family> family;
   std::string sha256;       ///< SHA-256 of the file, hexadecimal
   std::string description;  ///< the JSON that clients get
 };
