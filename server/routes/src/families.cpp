@@ -18,6 +18,7 @@
 #include "supple/json/structure_answers.h"
 #include "supple/outlines/drawing.h"
 #include "supple/store/clock.h"
+#include "supple/tiling/definition_text.h"
 #include "supple/tiling/structure.h"
 #include "supple/tiling/tiling_error.h"
 
@@ -212,8 +213,12 @@ http::Response remove_family(Services& services, const http::Request& request) {
   if (tiling::find_family(name))
     throw Error("family.shipped", "The family " + name + " comes with the server and cannot be removed.");
   const auto owner = owner_of_families(request);
+  const auto record = services.store->families().family(owner, name);
+  if (!record) throw_family_not_found(services, owner, name);
+  const auto definition =
+      tiling::to_text(json::parse_family_definition(record->definition, services.limits.json, CancellationToken()));
   for (const auto& model : services.models->models()) {
-    if (model->model.family == name)
+    if (model->model.family == name && model->model.definition == definition)
       throw Error("family.in_use", "The model " + model->model.id + " is one of the family " + name + ".");
   }
   if (!services.store->families().remove_family(owner, name)) throw_family_not_found(services, owner, name);
