@@ -6,14 +6,13 @@
 #include <CLI/Formatter.hpp>
 #include <charconv>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "family_option.h"
 #include "progress_line.h"
 #include "supple/base/error.h"
 #include "supple/base/threads.h"
@@ -23,8 +22,6 @@
 #include "supple/lab/dataset_maker.h"
 #include "supple/lab/dataset_options.h"
 #include "supple/lab/dataset_report.h"
-#include "supple/tiling/definition_check.h"
-#include "supple/tiling/definition_text.h"
 
 namespace supple::lab {
 namespace {
@@ -56,7 +53,7 @@ CLI::Option* add_choice(CLI::App& command, const std::string& name, T& value, co
 
 struct MakeArguments {
   DatasetOptions options;
-  std::filesystem::path definition;  ///< file of a family of one's own; empty for a shipped family
+  FamilyOption family;
   std::string shard = "0/1";
   std::filesystem::path out;
   int threads = 0;
@@ -78,9 +75,7 @@ void read_shard(const std::string& text, DatasetOptions& options) {
 
 void add_options(CLI::App& command, MakeArguments& arguments) {
   DatasetOptions& options = arguments.options;
-  CLI::Option* family = command.add_option("--family", options.family, "Id of a shipped family, for example IH21");
-  command.add_option("--definition", arguments.definition, "Instead: a file with the text of a family's definition")
-      ->excludes(family);
+  add_family_options(command, arguments.family);
   command.add_option("--out", arguments.out, "The HDF5 file; until it is complete, OUT.partial keeps what is done")
       ->required();
   arguments.designs =
@@ -154,30 +149,8 @@ void add_simulation_options(CLI::App& command, microscale::SimulationOptions& si
   plain("--tangents", simulation.tangents, "Compute tangents (1 or 0)");
 }
 
-/// The family that a file defines. Throws "file.unreadable", and "family.faulty" for one that does not tile the plane.
-std::shared_ptr<const tiling::Family> family_in(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw Error("file.unreadable", "The file " + path.string() + " cannot be read.");
-  auto definition = tiling::definition_of_text(std::string(std::istreambuf_iterator<char>(file), {}));
-  const auto report = tiling::check_definition(definition);
-  if (!report.good())
-    throw Error("family.faulty", "The definition is not one of a family: " + report.faults.front().where + " " +
-                                     report.faults.front().message + ".");
-  return std::make_shared<const tiling::Family>(tiling::make_family(std::move(definition)));
-}
-
-void read_family(MakeArguments& arguments) {
-  auto& options = arguments.options;
-  if (options.family.empty() == arguments.definition.empty())
-    throw Error("dataset.invalid_option", "Either --family or --definition is required.",
-                {{"family", "or a definition is required"}});
-  if (arguments.definition.empty()) return;
-  options.own_family = family_in(arguments.definition);
-  options.family = options.own_family->id;
-}
-
 void make(MakeArguments& arguments, const StopSignals& signals, bool& interrupted) {
-  read_family(arguments);
+  set_family(arguments.family, arguments.options);
   read_shard(arguments.shard, arguments.options);
   if (!arguments.options.parameters.empty()) arguments.options.designs = 1;
   if (!arguments.options.list.empty() && arguments.designs->count() == 0) {
