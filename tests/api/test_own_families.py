@@ -168,6 +168,19 @@ def test_designs_are_found_in_a_family_that_a_model_defines(new_server: NewServe
     assert (refused.status_code, problem_code(refused)) == (422, "design.no_model")
 
 
+def test_a_definition_is_had_as_text(api: Api, own: str) -> None:
+    text = api.get(f"{FAMILIES}/{own}/definition")
+    assert text.headers["Content-Type"].startswith("text/plain")
+    lines = text.text.splitlines()
+    assert lines[:4] == ["family definition 1", "id slanted", "description Slanted squares", "parameter 0.1 0.5 0.3 Slant"]
+    assert supple.Client(api.server.url).family_definition(own) == text.text
+    printed = subprocess.run([str(CLI), "--server", api.server.url, "families", "definition", own], capture_output=True, text=True, check=True)
+    assert printed.stdout == text.text
+    for name, code in (("square", "family.no_definition"), ("none", "tiling.family_not_found")):
+        refused = api.get(f"{FAMILIES}/{name}/definition")
+        assert (refused.status_code, problem_code(refused)) == (404, code)
+
+
 def test_families_of_the_server_are_not_removed(api: Api) -> None:
     response = api.delete(f"{FAMILIES}/IH21")
     assert (response.status_code, problem_code(response)) == (409, "family.shipped")

@@ -93,6 +93,11 @@ void show_families(const GlobalOptions& options, const std::string& family) {
   family.empty() ? list_families(answer.at("families")) : print_family(answer);
 }
 
+void print_definition(const GlobalOptions& options, const std::string& family) {
+  Session session(options);
+  fmt::print("{}", session.http().get("/v1/families/" + family + "/definition", "text/plain").body);
+}
+
 void add_add_command(CLI::App& families, const GlobalOptions& options) {
   CLI::App* add = families.add_subcommand("add", "Add a family of one's own, which is checked and stored");
   const auto added = std::make_shared<NewFamily>();
@@ -115,6 +120,10 @@ void add_family_subcommands(CLI::App& families, const GlobalOptions& options) {
   CLI::App* show = families.add_subcommand("show", "Describe a family");
   show->add_option("family", *named, "Id of the family")->required();
   show->callback([&options, named] { show_families(options, *named); });
+  CLI::App* definition =
+      families.add_subcommand("definition", "Print the definition of a family as text, which supple-lab reads");
+  definition->add_option("family", *named, "Id of the family")->required();
+  definition->callback([&options, named] { print_definition(options, *named); });
   add_family_atlas_command(families, options);
   add_add_command(families, options);
   CLI::App* remove = families.add_subcommand("remove", "Remove a family of one's own");

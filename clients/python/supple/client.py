@@ -201,6 +201,10 @@ class Client(Connection):
         """A family by its id, such as "IH21". Raises `NotFound`."""
         return decode(Family, self._get("/v1/families", family_id))
 
+    def family_definition(self, family_id: str) -> str:
+        """The definition of a family as text, which `supple-lab learn --definition` reads. Raises `NotFound`."""
+        return self._transport.request("GET", f"/v1/families/{quote(family_id, safe='')}/definition", headers={"Accept": "text/plain"}).content.decode()
+
     def isohedral_types(self) -> List[Dict[str, Any]]:
         """The table of the 81 isohedral types, by their numbers (schema `IsohedralType` of the contract)."""
         types: List[Dict[str, Any]] = self._get("/v1/isohedral-types")["types"]

@@ -195,6 +195,19 @@ http::Response list_families(const Services& services, const http::Request& requ
   return json_response(json::write_families(answers));
 }
 
+/// The definition of a family as text, which supple-lab reads.
+http::Response show_definition(const Services& services, const http::Request& request) {
+  require_ready(services);
+  const auto& name = family_parameter(request);
+  const auto family = Loader(services, request, Loader::Clock::now()).family(name);
+  if (!family->definition)
+    throw Error("family.no_definition", "The family " + name + " is a part of the program and has no definition.");
+  http::Response response;
+  response.content_type = "text/plain; charset=utf-8";
+  response.body = tiling::to_text(*family->definition);
+  return response;
+}
+
 http::Response show_family(const Services& services, const http::Request& request) {
   const auto& name = family_parameter(request);
   if (const auto* const family = tiling::find_family(name))
@@ -233,6 +246,8 @@ void add_family_routes(http::Router& router, Services& services) {
   router.add({"POST", "/v1/families", handler_with(services, add_family), {services.limits.max_json, "--max-json"}});
   router.add({"GET", "/v1/families", handler_with<const Services>(services, list_families), {}});
   router.add({"GET", "/v1/families/{family}", handler_with<const Services>(services, show_family), {}});
+  router.add(
+      {"GET", "/v1/families/{family}/definition", handler_with<const Services>(services, show_definition), {}});
   router.add({"DELETE", "/v1/families/{family}", handler_with(services, remove_family), {}});
 }
 
