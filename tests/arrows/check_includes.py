@@ -24,8 +24,8 @@ ROOMS = {
     "engine/weave": {"base", "numerics", "weave"},
     "engine/files": {"base", "files"},
     "engine/dataset": {"base", "files", "dataset"},
-    # Training sees families of tilings and not their meshes: networks are trained where there is no mesh generator.
-    "engine/training": {"base", "files", "tiling/family.h", "tiling/symmetry.h", "dataset", "neural", "training"},
+    # Training sees families of tilings and their definitions, and not their meshes: networks are trained where there is no mesh generator.
+    "engine/training": {"base", "files", "tiling/definition_text.h", "tiling/family.h", "tiling/family_definition.h", "tiling/symmetry.h", "dataset", "neural", "training"},
     "engine/neural": {"base", "files", "neural"},
     "engine/design": {"base", "numerics", "tiling", "microscale", "neural", "design"},
     "engine/helper": {"base", "numerics", "meshing", "neural", "tiling"},
@@ -40,6 +40,7 @@ ROOMS = {
     "server/json": {"base", "numerics", "surface", "embedded", "voronoi", "outlines", "tiling", "microscale", "weave", "neural", "design", "problem", "budget", "json"},
     "server/store": {"base", "numerics", "surface", "tiling", "neural", "design", "problem", "store"},
     "server/metrics": {"base", "problem", "metrics"},
+    "server/trainings": {"base", "trainings"},
     "server/jobs": {"base", "problem", "budget", "log", "store", "jobs"},
     "server/routes": {"base", "surface", "embedded", "voronoi", "outlines", "tiling", "microscale", "weave", "neural", "design", "problem", "budget", "access", "http",
                       "json", "store", "metrics", "jobs", "routes"},

@@ -85,7 +85,7 @@ class Reports : public LearningListener {
 
 class FamilyLearning : public ::testing::Test {
  protected:
-  /// What of a model does not depend on how long its training took.
+  /// The bytes of a model, as if its training had taken no time.
   static std::string timeless(const fs::path& path) {
     auto model = neural::read_model(path);
     model.provenance.training_seconds = 0;
