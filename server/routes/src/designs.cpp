@@ -32,7 +32,7 @@ json::DesignModel name_of(const store::LoadedModel& model) {
 }
 
 /// The best model of each family, in the order of the models' ids.
-std::vector<Model> models_by_family(const store::ModelStore& store) {
+std::vector<Model> models_by_family(const store::VisibleModels& store) {
   const auto all = store.models();
   std::vector<const neural::Model*> models;
   models.reserve(all.size());
@@ -60,7 +60,7 @@ Model model_of_family(const Loader& loader, const std::string& family, const std
   throw Error("design.no_model", text, {{region + "/family", text}});
 }
 
-Model model_by_id(const store::ModelStore& store, const std::string& id, const std::string& region) {
+Model model_by_id(const store::VisibleModels& store, const std::string& id, const std::string& region) {
   return fault_of_field<store::ModelNotFound>(region + "/model", [&] { return store.get(id); });
 }
 
@@ -73,7 +73,7 @@ struct Region {
 };
 
 std::vector<Model> models_of(const Loader& loader, const json::RegionSpec& spec, const std::string& region) {
-  const store::ModelStore& store = loader.models();
+  const auto store = loader.models();
   if (!spec.model.empty()) return {model_by_id(store, spec.model, region)};
   if (spec.family != "any") return {model_of_family(loader, spec.family, region)};
   if (spec.problem.initial || !spec.problem.fixed.empty()) {
@@ -126,7 +126,7 @@ void prepare_materials(Region& region) {
 
 /// The best models of the families that are not searched, as far as they know the region's materials. All families are
 /// searched where the request names none.
-std::vector<Model> models_of_other_families(const store::ModelStore& store, const Region& region) {
+std::vector<Model> models_of_other_families(const store::VisibleModels& store, const Region& region) {
   std::vector<Model> others;
   if (region.spec.model.empty() && region.spec.family == "any") return others;
   for (const Model& model : models_by_family(store)) {

@@ -183,12 +183,13 @@ http::Response add_family(Services& services, const http::Request& request) {
 http::Response list_families(const Services& services, const http::Request& request) {
   require_ready(services);
   auto answers = shipped_answers();
+  const auto owner = owner_of_families(request);
   std::set<std::string> listed;
-  for (auto& family : services.store->families().families(owner_of_families(request))) {
+  for (auto& family : services.store->families().families(owner)) {
     listed.insert(family.name);
     answers.push_back(std::move(family.description));
   }
-  for (const auto& model : services.models->models()) {
+  for (const auto& model : services.models->models(owner)) {
     const bool is_published = !model->model.definition.empty();
     if (is_published && listed.insert(model->model.family).second) answers.push_back(answer_about(*model->family));
   }
@@ -216,7 +217,7 @@ http::Response show_family(const Services& services, const http::Request& reques
   const auto owner = owner_of_families(request);
   if (auto record = services.store->families().family(owner, name))
     return json_response(std::move(record->description));
-  if (const auto published = published_family(services, name)) return json_response(answer_about(*published));
+  if (const auto published = published_family(services, owner, name)) return json_response(answer_about(*published));
   throw_family_not_found(services, owner, name);
 }
 
@@ -230,7 +231,7 @@ http::Response remove_family(Services& services, const http::Request& request) {
   if (!record) throw_family_not_found(services, owner, name);
   const auto definition =
       tiling::to_text(json::parse_family_definition(record->definition, services.limits.json, CancellationToken()));
-  for (const auto& model : services.models->models()) {
+  for (const auto& model : services.models->models(owner)) {
     if (model->model.family == name && model->model.definition == definition)
       throw Error("family.in_use", "The model " + model->model.id + " is one of the family " + name + ".");
   }
@@ -246,8 +247,7 @@ void add_family_routes(http::Router& router, Services& services) {
   router.add({"POST", "/v1/families", handler_with(services, add_family), {services.limits.max_json, "--max-json"}});
   router.add({"GET", "/v1/families", handler_with<const Services>(services, list_families), {}});
   router.add({"GET", "/v1/families/{family}", handler_with<const Services>(services, show_family), {}});
-  router.add(
-      {"GET", "/v1/families/{family}/definition", handler_with<const Services>(services, show_definition), {}});
+  router.add({"GET", "/v1/families/{family}/definition", handler_with<const Services>(services, show_definition), {}});
   router.add({"DELETE", "/v1/families/{family}", handler_with(services, remove_family), {}});
 }
 

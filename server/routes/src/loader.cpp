@@ -31,7 +31,7 @@ std::shared_ptr<const tiling::Family> Loader::family(const std::string& name) co
   if (const auto* const shipped = tiling::find_family(name)) return {std::shared_ptr<void>(), shipped};
   const auto record = services_.store->families().family(request_.key, name);
   if (!record) {
-    if (auto published = published_family(services_, name)) return published;
+    if (auto published = published_family(services_, request_.key, name)) return published;
     throw_family_not_found(services_, request_.key, name);
   }
   if (added_families_.find(record->id) == std::string::npos)

@@ -43,7 +43,8 @@ class Loader {
   /// The ids of the added families that were asked for, separated by commas.
   const std::string& added_families() const { return added_families_; }
 
-  const store::ModelStore& models() const { return *services_.models; }
+  /// The models that the request's key sees.
+  store::VisibleModels models() const { return {*services_.models, request_.key}; }
   metrics::Metrics& metrics() const { return *services_.metrics; }
   /// Stops the parsing of a body.
   CancellationToken cancellation() const { return execution_ ? execution_->cancellation : CancellationToken(); }

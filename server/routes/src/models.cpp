@@ -13,24 +13,24 @@ namespace {
 using Model = std::shared_ptr<const store::LoadedModel>;
 
 /// The model that the path names. Throws "model.not_found".
-Model model_of(const store::ModelStore& models, const std::map<std::string, std::string>& path_parameters) {
+Model model_of(const store::VisibleModels& models, const std::map<std::string, std::string>& path_parameters) {
   return models.get(path_parameters.at("model"));
 }
 
 json::ModelVersion version_of(const store::LoadedModel& model) { return {model.model.id, model.sha256}; }
 
-http::Response list(const Services& services) {
+http::Response list(const Services& services, const http::Request& request) {
   require_ready(services);
   json::JsonWriter out;
   out.begin_object().key("models").begin_array();
-  for (const auto& model : services.models->models()) out.raw(model->description);
+  for (const auto& model : services.models->models(request.key)) out.raw(model->description);
   out.end_array().end_object();
   return json_response(out.take());
 }
 
 http::Response show_model(const Services& services, const http::Request& request) {
   require_ready(services);
-  const auto model = model_of(*services.models, request.path_parameters);
+  const auto model = model_of({*services.models, request.key}, request.path_parameters);
   if (matches(request.header("If-None-Match"), model->sha256)) return not_modified(model->sha256);
   auto response = json_response(model->description);
   response.set_header("ETag", quoted(model->sha256));
@@ -90,7 +90,7 @@ PreparedComputation prepare_uniaxial(const EndpointRequest& asked, const Loader&
 }  // namespace
 
 void add_model_routes(http::Router& router, Services& services) {
-  router.add({"GET", "/v1/models", [&services](const http::Request&) { return list(services); }, {}});
+  router.add({"GET", "/v1/models", [&services](const http::Request& r) { return list(services, r); }, {}});
   router.add(
       {"GET", "/v1/models/{model}", [&services](const http::Request& r) { return show_model(services, r); }, {}});
   add_endpoint(router, services,

@@ -17,8 +17,9 @@ void require_job(const Services& services, const http::Request& request, const s
   if (!owner.empty() && !services.store->jobs().owns_job(id, owner)) throw store::JobNotFound(id);
 }
 
-std::shared_ptr<const tiling::Family> published_family(const Services& services, const std::string& name) {
-  for (const auto& model : services.models->models())
+std::shared_ptr<const tiling::Family> published_family(const Services& services, const std::string& owner,
+                                                       const std::string& name) {
+  for (const auto& model : services.models->models(owner))
     if (model->model.family == name && !model->model.definition.empty()) return model->family;
   return nullptr;
 }

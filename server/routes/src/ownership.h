@@ -21,8 +21,9 @@ void require_mesh(const Services& services, const http::Request& request, const 
 /// The same for a job, with "job.not_found".
 void require_job(const Services& services, const http::Request& request, const std::string& id);
 
-/// The family of this name that a loaded model defines, which everyone may use; null if there is none.
-std::shared_ptr<const tiling::Family> published_family(const Services& services, const std::string& name);
+/// The family of this name that a model defines which the owner sees; null if there is none.
+std::shared_ptr<const tiling::Family> published_family(const Services& services, const std::string& owner,
+                                                       const std::string& name);
 
 /// Throws "tiling.family_not_found", which lists the families that come with the server and those of an owner.
 [[noreturn]] void throw_family_not_found(const Services& services, const std::string& owner, const std::string& name);

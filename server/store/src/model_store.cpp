@@ -20,6 +20,20 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view suffix = ".h5";
+/// Names of files of the folder with owners begin with it here.
+constexpr std::string_view own_prefix = "own/";
+constexpr std::size_t mark_digits = 16;
+
+/// The mark of the owner of a file of that folder; nullopt for a name without one.
+std::optional<std::string> mark_in(std::string_view name) {
+  if (!name.starts_with(own_prefix)) return std::string();
+  name.remove_prefix(own_prefix.size());
+  const auto mark = name.substr(0, mark_digits);
+  if (name.size() <= mark_digits || name[mark_digits] != '-' ||
+      mark.find_first_not_of("0123456789abcdef") != std::string_view::npos)
+    return std::nullopt;
+  return std::string(mark);
+}
 
 std::int64_t nanoseconds(const timespec& time) { return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec; }
 
@@ -65,19 +79,26 @@ bool ModelStore::has_been_read() const {
   return read_once_;
 }
 
-std::shared_ptr<const LoadedModel> ModelStore::get(const std::string& id) const {
+std::string ModelStore::mark_of(const std::string& owner) { return sha256(owner).substr(0, mark_digits); }
+
+std::shared_ptr<const LoadedModel> ModelStore::get(const std::string& id, const std::string& owner) const {
+  const auto mark = mark_of(owner);
   const std::lock_guard lock(mutex_);
-  if (const auto found = models_.find(id); found != models_.end()) return found->second;
+  const auto is_visible = [&](const LoadedModel& model) { return model.owner.empty() || model.owner == mark; };
+  if (const auto found = models_.find(id); found != models_.end() && is_visible(*found->second)) return found->second;
   std::string known;
-  for (const auto& [name, model] : models_) known += (known.empty() ? "" : ", ") + name;
+  for (const auto& [name, model] : models_)
+    if (is_visible(*model)) known += (known.empty() ? "" : ", ") + name;
   throw ModelNotFound(id.substr(0, 80), known.empty() ? "no model is loaded." : "known are " + known + ".");
 }
 
-std::vector<std::shared_ptr<const LoadedModel>> ModelStore::models() const {
+std::vector<std::shared_ptr<const LoadedModel>> ModelStore::models(const std::string& owner) const {
+  const auto mark = mark_of(owner);
   const std::lock_guard lock(mutex_);
-  std::vector<std::shared_ptr<const LoadedModel>> all;
-  for (const auto& [id, model] : models_) all.push_back(model);
-  return all;
+  std::vector<std::shared_ptr<const LoadedModel>> visible;
+  for (const auto& [id, model] : models_)
+    if (model->owner.empty() || model->owner == mark) visible.push_back(model);
+  return visible;
 }
 
 std::size_t ModelStore::size() const {
@@ -106,7 +127,7 @@ void ModelStore::run() {
       wake_.notify_all();
     }
     // Without a folder there is nothing to scan for.
-    if (options_.folder.empty()) wake_.wait(lock, [this] { return ending_; });
+    if (options_.folder.empty() && options_.own_folder.empty()) wake_.wait(lock, [this] { return ending_; });
     if (wake_.wait_for(lock, options_.period, [this] { return ending_; })) return;
   }
 }
@@ -117,7 +138,7 @@ bool ModelStore::is_ending() const {
 }
 
 void ModelStore::scan() {
-  if (options_.folder.empty()) return;
+  if (options_.folder.empty() && options_.own_folder.empty()) return;
   const auto found = list_files();
   if (!found) return;
   bool changed = false;
@@ -146,11 +167,18 @@ void ModelStore::scan() {
 std::optional<std::map<std::string, ModelStore::Stamp>> ModelStore::list_files() {
   std::map<std::string, Stamp> found;
   std::error_code error;
-  for (fs::directory_iterator entry(options_.folder, error), end; !error && entry != end; entry.increment(error)) {
-    const auto& path = entry->path();
-    if (path.extension() != suffix) continue;
-    if (const auto stamp = stamp_of(path)) found.emplace(path.filename().string(), *stamp);
-  }
+  const auto list = [&](const fs::path& folder, std::string_view prefix, std::error_code& fault) {
+    for (fs::directory_iterator entry(folder, fault), end; !fault && entry != end; entry.increment(fault)) {
+      const auto& path = entry->path();
+      if (path.extension() != suffix) continue;
+      if (const auto stamp = stamp_of(path)) found.emplace(std::string(prefix) + path.filename().string(), *stamp);
+    }
+  };
+  if (!options_.folder.empty()) list(options_.folder, "", error);
+  std::error_code own_error;
+  if (!options_.own_folder.empty()) list(options_.own_folder, own_prefix, own_error);
+  // The folder appears with the first model that has an owner.
+  if (own_error && own_error != std::errc::no_such_file_or_directory && !error) error = own_error;
   if (error && !folder_error_reported_) {
     options_.log(Level::warning, "the folder of models " + options_.folder.string() +
                                      " cannot be read, and what was loaded stays: " + error.message());
@@ -166,8 +194,12 @@ std::optional<ModelStore::Stamp> ModelStore::stamp_of(const fs::path& path) {
   return Stamp{status.st_ino, status.st_size, nanoseconds(status.st_mtim), nanoseconds(status.st_ctim)};
 }
 
+fs::path ModelStore::path_of(const std::string& name) const {
+  return name.starts_with(own_prefix) ? options_.own_folder / name.substr(own_prefix.size()) : options_.folder / name;
+}
+
 bool ModelStore::read(const std::string& name, const Stamp& stamp, File& file) {
-  const auto path = options_.folder / name;
+  const auto path = path_of(name);
   std::shared_ptr<const LoadedModel> loaded;
   std::string reason;
   try {
@@ -175,6 +207,8 @@ bool ModelStore::read(const std::string& name, const Stamp& stamp, File& file) {
       throw Error("file.unreadable", "it has " + std::to_string(stamp.size) + " bytes, the limit is " +
                                          std::to_string(options_.max_file_bytes) + " (setting --max-model)");
     }
+    const auto owner = mark_in(name);
+    if (!owner) throw Error("file.unreadable", "its name does not begin with the mark of an owner");
     const std::string bytes = content(path);
     auto hash = sha256(bytes);
     auto model =
@@ -183,9 +217,9 @@ bool ModelStore::read(const std::string& name, const Stamp& stamp, File& file) {
     auto description = options_.describe(model, hash);
     neural::Evaluator evaluator(model.network);
     design::Candidates candidates(model.network);
-    loaded =
-        std::make_shared<const LoadedModel>(LoadedModel{std::move(model), std::move(evaluator), std::move(candidates),
-                                                        std::move(family), std::move(hash), std::move(description)});
+    loaded = std::make_shared<const LoadedModel>(LoadedModel{std::move(model), std::move(evaluator),
+                                                             std::move(candidates), std::move(family), *owner,
+                                                             std::move(hash), std::move(description)});
   } catch (const Cancelled&) {
     return false;  // the server ends, which says nothing about the file
   } catch (const std::exception& error) {

@@ -11,6 +11,7 @@
 #include <set>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "supple/design/candidates.h"
@@ -26,11 +27,15 @@ struct LoadedModel {
   neural::Evaluator evaluator;
   design::Candidates candidates;
   std::shared_ptr<const tiling::Family> family;
+  /// Of whom it is, as `ModelStore::mark_of` gives it; empty for a model of everyone.
+  std::string owner{};
   std::string sha256;       ///< SHA-256 of the file, hexadecimal
   std::string description;  ///< the JSON that clients get
 };
 
-/// The models of one folder: its files "*.h5", read at the start and again whenever they change.
+/// The models of a folder, which everyone sees, and of a second one, in which each file belongs to an owner: their
+/// files
+/// "*.h5", read at the start and again whenever they change.
 ///
 /// One thread scans the folder every `period`, and compares inode numbers, sizes and times. It alone reads model files,
 /// for HDF5 is not thread safe; helper processes parse them where there are any. A file that cannot be read is
@@ -41,7 +46,10 @@ class ModelStore {
  public:
   enum class Level { info, warning };
   struct Options {
-    std::filesystem::path folder;  ///< no models where it is empty
+    std::filesystem::path folder;  ///< of the models of everyone; empty or missing: none
+    /// Of the models that have an owner, whose mark is the beginning of the file's name: "0123456789abcdef-ID.h5".
+    /// Empty or missing: none.
+    std::filesystem::path own_folder{};
     std::chrono::milliseconds period{2000};
     std::int64_t max_file_bytes = 256LL << 20;  ///< bytes; larger files count as damaged; setting --max-model
     /// Time limit for reading one file, which takes effect only where a helper process reads. A file that takes longer
@@ -64,10 +72,13 @@ class ModelStore {
   void wait_until_read() const;
   bool has_been_read() const;
 
-  /// The model of this id. Throws "model.not_found", which names the models that there are.
-  std::shared_ptr<const LoadedModel> get(const std::string& id) const;
-  /// All models, in the order of their ids.
-  std::vector<std::shared_ptr<const LoadedModel>> models() const;
+  /// The mark by which files name an owner: 16 hexadecimal digits.
+  static std::string mark_of(const std::string& owner);
+  /// The model of this id, if it is one of everyone or of this owner. Throws "model.not_found", which names the models
+  /// that the owner sees.
+  std::shared_ptr<const LoadedModel> get(const std::string& id, const std::string& owner = {}) const;
+  /// All models of everyone and of this owner, in the order of their ids.
+  std::vector<std::shared_ptr<const LoadedModel>> models(const std::string& owner = {}) const;
   std::size_t size() const;
   /// Number of files whose present version could not be read.
   std::size_t damaged() const;
@@ -93,6 +104,8 @@ class ModelStore {
   void scan();
   /// The stamps of the folder's model files by name; nullopt where the folder cannot be read.
   std::optional<std::map<std::string, Stamp>> list_files();
+  /// The file of a name as `list_files` gives it.
+  std::filesystem::path path_of(const std::string& name) const;
   static std::optional<Stamp> stamp_of(const std::filesystem::path& path);
   /// Reads a file. True if it was read or found damaged; false if it changed meanwhile.
   bool read(const std::string& name, const Stamp& stamp, File& file);
@@ -113,6 +126,20 @@ class ModelStore {
   bool read_once_ = false;
   bool ending_ = false;
   std::thread thread_;
+};
+
+/// The models that an owner sees: those of everyone and its own.
+class VisibleModels {
+ public:
+  /// `store` must outlive it.
+  VisibleModels(const ModelStore& store, std::string owner) : store_(store), owner_(std::move(owner)) {}
+
+  std::shared_ptr<const LoadedModel> get(const std::string& id) const { return store_.get(id, owner_); }
+  std::vector<std::shared_ptr<const LoadedModel>> models() const { return store_.models(owner_); }
+
+ private:
+  const ModelStore& store_;
+  const std::string owner_;
 };
 
 }  // namespace supple::store
