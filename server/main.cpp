@@ -51,6 +51,7 @@ std::string host_in_url(const std::string& host) {
 store::ModelStore::Options model_options(const ServerOptions& server) {
   store::ModelStore::Options options;
   options.folder = server.models;
+  options.own_folder = server.data + "/models";
   options.max_file_bytes = server.max_model;
   options.describe = json::write_model;
   options.log = [](store::ModelStore::Level level, const std::string& text) {
@@ -89,6 +90,7 @@ class Process {
     services_.version = server_version();
     services_.data = options.data;
     if (!options.models.empty()) services_.atlases = options.models + "/families/atlas";
+    services_.lab = options.lab;
     services_.web = options.web;
     services_.metrics = &metrics_;
     services_.memory = &memory_;

@@ -43,6 +43,7 @@ void set_computed_defaults(ServerOptions& options, const budget::MemoryDefaults&
   options.models = installed_folder("models");
   options.web = installed_folder("web");
   options.helper.program = program_beside_this_one("supple-helper");
+  options.lab.program = program_beside_this_one("supple-lab");
 }
 
 void add_place_options(CLI::App& app, ServerOptions& options) {
@@ -104,6 +105,13 @@ void add_ending_and_helper_options(CLI::App& app, ServerOptions& options) {
          "Program that meshes, clips and reads models in processes of its own, which can be stopped and may fail; "
          "'' does it here")
       ->check(CLI::ExistingFile | CLI::IsMember({""}));
+  app.add_option("--lab", options.lab.program,
+                 "Program supple-lab, which trains networks; none: networks are not trained")
+      ->check(CLI::ExistingFile | CLI::IsMember({""}));
+  app.add_option("--lab-memory", options.lab.memory, "Bytes of address space of a training; 0: no limit")
+      ->transform(CLI::AsSizeValue(false));
+  app.add_option("--max-training", options.limits.max_training, "Seconds that a training may ask for")
+      ->check(CLI::PositiveNumber);
   app.add_option("--helper-memory", options.helper.memory, "Bytes of address space of a helper process; 0: no limit")
       ->transform(CLI::AsSizeValue(false));
   app.add_option("--log-level", options.log_level, "What is logged")
@@ -194,6 +202,7 @@ std::map<std::string, std::string> computed_defaults() {
           {"--workers", "one for each core"},
           {"--immediate", "two for each core"},
           {"--helper", "`supple-helper` beside the program, if it is there"},
+          {"--lab", "`supple-lab` beside the program, if it is there"},
           {"--helper-memory", "a quarter of the memory, 8 GiB at most"},
           {"--memory", "half of the memory"},
           {"--max-request-memory", "a quarter of the memory, 1 GiB at least"},

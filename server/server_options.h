@@ -37,10 +37,11 @@ struct ServerOptions {
   std::int64_t max_answer = 256LL << 20;  ///< largest answer in JSON, in bytes
   std::vector<std::string> allowed_hosts;
   std::vector<std::string> allowed_origins;
-  std::string keys;                ///< file of keys; empty: the file "keys" in the data folder
-  bool open = false;               ///< whether no request needs a key
-  bool access_log = false;         ///< whether each answered request is logged
-  HelperOptions helper{{}, 0, 0};  ///< helper processes; without a program everything runs in this one
+  std::string keys;                         ///< file of keys; empty: the file "keys" in the data folder
+  bool open = false;                        ///< whether no request needs a key
+  bool access_log = false;                  ///< whether each answered request is logged
+  HelperOptions helper{{}, 0, 0};           ///< helper processes; without a program everything runs in this one
+  routes::LabSettings lab{{}, 8ULL << 30};  ///< the program that trains networks
   std::string log_level = "info";
 
   /// When requests need a key.

@@ -7,6 +7,7 @@
 #include "commands.h"
 #include "failure.h"
 #include "family_atlas_command.h"
+#include "training_command.h"
 
 namespace supple::cli {
 namespace {
@@ -125,6 +126,7 @@ void add_family_subcommands(CLI::App& families, const GlobalOptions& options) {
   definition->add_option("family", *named, "Id of the family")->required();
   definition->callback([&options, named] { print_definition(options, *named); });
   add_family_atlas_command(families, options);
+  add_training_command(families, options);
   add_add_command(families, options);
   CLI::App* remove = families.add_subcommand("remove", "Remove a family of one's own");
   remove->add_option("family", *named, "Id of the family")->required();

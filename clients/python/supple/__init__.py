@@ -142,6 +142,7 @@ from .drawings import Drawing, DrawingRequest, DrawnPolygon
 from .targets import CurveNote, MeasuredCurve, MeasuredCurveRequest, Target
 from .parts import Part, PartFileRequest, PartOptions, PartRegion, PartRequest
 from .tilings import CellMesh, Family, Structure, StructureFileRequest, StructureRequest, Tile
+from .trainings import Training, TrainingPlan, TrainingPlanRequest, TrainingRequest
 from .voronoi import (
     RandomSites,
     Sites,
@@ -215,7 +216,7 @@ __all__ = [
     "RelaxationRequest", "RelaxationStep", "RelaxedNetwork", "Request", "RequestTimeout", "ServerBusy", "ServerError",
     "SheetState", "Shell", "Simulation", "SimulationRequest", "SiteMoves", "Sites", "Solid", "SolidRegion", "SpacePoint",
     "SplitErrors", "Spread", "Spring", "State", "Strand", "Structure", "StructureFileRequest", "StructureRequest",
-    "StructureSize", "Superseded", "SuppleError", "Support", "SurfacePoint", "Target", "Tile", "Uniaxial", "UniaxialCurve",
+    "StructureSize", "Superseded", "SuppleError", "Support", "SurfacePoint", "Target", "Tile", "Training", "TrainingPlan", "TrainingPlanRequest", "TrainingRequest", "Uniaxial", "UniaxialCurve",
     "UniaxialRequest", "Verdict", "Verification", "Vertex", "Violation", "VoronoiCell", "VoronoiDiagram", "VoronoiDual", "VoronoiEdge",
     "VoronoiFileRequest", "VoronoiOptimizationRequest", "VoronoiOptions", "VoronoiPiece", "VoronoiPieces", "VoronoiRequest",
     "VoronoiStatistics", "VoronoiVertex", "WayOut", "Weave", "WeaveDeformation", "WeaveDeformationRequest", "WeaveDiscretizationError",

@@ -25,6 +25,7 @@ from .request import Request
 from .simulations import SimulationRequest
 from .targets import MeasuredCurveRequest
 from .tilings import Family, StructureFileRequest, StructureRequest
+from .trainings import TrainingPlanRequest, TrainingRequest
 from .transport import Answer
 from .weave_printing import GcodeReportRequest, WeaveToolpathRequest
 from .weaves import (
@@ -221,6 +222,9 @@ class Client(Connection):
     check_family = runs(FamilyCheckRequest)
     family_atlas = runs(FamilyAtlasRequest)
     start_family_atlas = submits(FamilyAtlasRequest)
+    plan_training = runs(TrainingPlanRequest)
+    train = runs(TrainingRequest)
+    start_training = submits(TrainingRequest)
     structure = runs(StructureRequest)
     structure_file = runs(StructureFileRequest)
     simulate = runs(SimulationRequest)

@@ -82,7 +82,7 @@ class EndpointHandler {
     if (ready_answer_)
       if (auto answer = ready_answer_(request)) return std::move(*answer);
     const auto preference = http::parse_preference(request.header("Prefer"), services_.limits.max_wait);
-    const bool becomes_job = preference.respond_async || preference.wait;
+    const bool becomes_job = endpoint_.is_long || preference.respond_async || preference.wait;
     auto computation = computation_of(request, prepare(request, endpoint_request(request, format, becomes_job), begin));
     if (!becomes_job) {
       // The deadline of an immediate answer counts from the request's arrival: reading a large body takes part of it.

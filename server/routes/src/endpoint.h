@@ -35,14 +35,17 @@ struct PreparedComputation {
 /// A path to which clients POST a request as JSON, and which computes. Answers and the repetition of a job after a
 /// restart both get their computation from `prepare`.
 struct Endpoint {
+  using Prepare = std::function<PreparedComputation(const EndpointRequest&, const Loader&)>;
+
   std::string path{};   ///< pattern, as in http::Route; empty: "/v1/" and the kind
   std::string kind{};   ///< kind of its jobs: "karcher-means"
   std::string sends{};  ///< what its answer is, for the problem that no format is acceptable: "A field is sent as"
   /// Media types of the answer. The first one is that of a request without the header Accept; if there is no other one,
   /// the header does not count.
   std::vector<std::string_view> formats{"application/json"};
+  bool is_long = false;  ///< it is always answered with a job
   /// Parses and validates. Throws what the client is told, and the error of a stop request.
-  std::function<PreparedComputation(const EndpointRequest&, const Loader&)> prepare{};
+  Prepare prepare{};
 };
 
 void add_endpoint(http::Router& router, Services& services, Endpoint endpoint);

@@ -23,6 +23,8 @@ void add_structure_routes(http::Router& router, Services& services);
 void add_family_routes(http::Router& router, Services& services);
 void add_family_check_routes(http::Router& router, Services& services);
 void add_family_atlas_routes(http::Router& router, Services& services);
+/// Trainings of networks, and what they would take.
+void add_training_routes(http::Router& router, Services& services);
 void add_simulation_route(http::Router& router, Services& services);
 void add_design_routes(http::Router& router, Services& services);
 void add_part_route(http::Router& router, Services& services);

@@ -33,6 +33,8 @@ class Loader {
   Loader(const Services& services, const http::Request& request, const Execution& execution)
       : services_(services), request_(request), execution_(&execution) {}
 
+  /// The id of the request's key; empty where none is needed.
+  const std::string& owner() const { return request_.key; }
   const json::Limits& limits() const { return services_.limits.json; }
   /// The family of this name: one that comes with the server, one that the request's key has added, or one that a
   /// loaded model defines. Throws "tiling.family_not_found", which lists them.

@@ -23,8 +23,15 @@ struct RouteLimits {
   int event_streams = 32;                 ///< followed at the same time; setting --event-streams
   double max_wait = 300;                  ///< seconds of Prefer: wait; fixed
   std::int64_t min_free = 16LL << 20;     ///< bytes of the data folder's disk while it is ready; setting --min-free
+  double max_training = 7 * 86400;        ///< seconds of a training's deadline; setting --max-training
   json::Limits json;
   surface::MeshLimits mesh;
+};
+
+/// The program that trains networks.
+struct LabSettings {
+  std::string program;       ///< file of supple-lab; empty: networks are not trained here
+  std::uint64_t memory = 0;  ///< bytes of address space of a run; 0: no limit
 };
 
 /// What the routes call. `store`, `meshes`, `models` and `jobs` are null until the server is ready; the routes that
@@ -47,7 +54,8 @@ struct Services {
   std::function<http::Load()> load;
   budget::MemoryBudget* memory = nullptr;
   access::Gate* gate = nullptr;  ///< knows the keys; null: nobody needs one
-  std::string atlases;           ///< folder of the atlases that are shipped; empty or missing: none
+  LabSettings lab;
+  std::string atlases;  ///< folder of the atlases that are shipped; empty or missing: none
 };
 
 }  // namespace supple::routes

@@ -1,0 +1,134 @@
+"""Trainings of networks over HTTP, with the real supple-lab: a family becomes a model that designs use, whatever happens meanwhile."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import time
+from pathlib import Path
+from typing import Any, Callable, Dict
+
+import pytest
+
+import supple
+from contract import Contract
+from harness import BUILD, CLI, Api, ServerProcess, pointers, problem_code
+from test_access import add_key
+
+LAB = BUILD / "engine" / "lab" / "supple-lab"
+TRAININGS = "/v1/trainings"
+PLANS = "/v1/training-plans"
+NewServer = Callable[..., ServerProcess]
+
+pytestmark = pytest.mark.skipif(not LAB.exists(), reason="supple-lab is not built")
+
+
+def pentagons(name: str) -> Dict[str, Any]:
+    """A family of two parameters, of which one is the width of the beams; a design takes a second."""
+    return {"id": name, "description": "Pentagons with beams of varying width", "isohedral_type": 29, "beam_width": [0, 0, 1],
+            "shapes": [{"class": "I"}, {"class": "J"}],
+            "parameters": [{"description": "Height of the pentagon", "lower": 0.3, "upper": 0.45, "default": 0.37},
+                           {"description": "Width of the beams", "lower": 0.2, "upper": 0.3, "default": 0.25}]}
+
+
+def training(name: str, core_seconds: float = 900, **more: Any) -> Dict[str, Any]:
+    return {"family": name, "budget": {"core_seconds": core_seconds}, **more}
+
+
+@pytest.fixture
+def lab_server(new_server: NewServer, contract: Contract) -> Api:
+    api = Api(new_server("--lab", str(LAB)), contract)
+    assert api.post("/v1/families", {"definition": pentagons("own")}).status_code == 201
+    return api
+
+
+def state(api: Api, job: str) -> str:
+    return str(api.get(f"/v1/jobs/{job}").json()["status"])
+
+
+def wait_for(api: Api, job: str, seconds: float = 1500) -> Dict[str, Any]:
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        status: Dict[str, Any] = api.get(f"/v1/jobs/{job}").json()
+        if status["status"] not in ("accepted", "running"):
+            return status
+        time.sleep(0.5)
+    raise AssertionError("the job did not end")
+
+
+def test_a_small_budget_is_refused_with_what_is_needed(lab_server: Api) -> None:
+    refused = lab_server.post(PLANS, training("own", 60))
+    assert (refused.status_code, problem_code(refused), pointers(refused)) == (422, "training.small_budget", ["/budget/core_seconds"])
+    assert "core-seconds at least" in refused.json()["detail"]
+
+
+def test_a_plan_says_what_the_budget_is_spent_on(lab_server: Api) -> None:
+    plan = lab_server.post(PLANS, training("own", 20_000))
+    assert plan.status_code == 200, plan.text
+    estimate = plan.json()["estimate"]
+    assert 10_000 < estimate["simulation"] + estimate["training"] <= 20_001
+    shown = subprocess.run([str(CLI), "--server", lab_server.server.url, "families", "train", "own", "--core-time", "20000s", "--plan"],
+                           capture_output=True, text=True, check=True).stdout
+    assert f"{estimate['simulation']:.0f} core-seconds of simulations" in shown
+    assert supple.Client(lab_server.server.url).plan_training("own", 20_000).simulation_seconds == estimate["simulation"]
+
+
+def test_unknown_families_and_servers_without_the_program_are_refused(lab_server: Api, new_server: NewServer, contract: Contract) -> None:
+    for family, code in (("none", "tiling.family_not_found"), ("square", "family.no_definition")):
+        assert problem_code(lab_server.post(TRAININGS, training(family))) == code
+    without = Api(new_server("--lab", ""), contract)
+    refused = without.post(TRAININGS, training("IH21"))
+    assert (refused.status_code, problem_code(refused)) == (503, "training.unavailable")
+    late = lab_server.post(TRAININGS, training("own", deadline=1e9))
+    assert problem_code(late) == "request.limit_exceeded" and "--max-training" in late.text
+
+
+@pytest.mark.timeout(1800)
+def test_a_family_becomes_a_model_of_its_owner_although_the_server_is_killed(new_server: NewServer, contract: Contract) -> None:
+    server = new_server("--lab", str(LAB))
+    add_key(server, "alice")
+    add_key(server, "bob")
+    server.stop()
+    server.start()
+    alice, bob = (Api(server, contract, key=key) for key in ("alice", "bob"))
+    assert alice.post("/v1/families", {"definition": pentagons("own")}).status_code == 201
+    accepted = alice.post(TRAININGS, training("own", accuracy={"error": 0.4}, priority="background"))
+    assert accepted.status_code == 202, accepted.text
+    job = accepted.json()["id"]
+    time.sleep(8)
+    server.kill()
+    server.start()
+    done = wait_for(alice, job)
+    assert done["status"] == "successful", done
+    result = alice.get(f"/v1/jobs/{job}/result").json()
+    assert result["designs"] >= 12 and result["error"] < 0.5
+    model = alice.get(f"/v1/models/{result['model']}").json()
+    assert model["family"] == "own"
+    target = {"task": "stress_strain", "target": {"control_points": [[0, 0], [0.1, 0.1]]}, "family": "own"}
+    assert alice.post("/v1/designs", target).status_code == 200
+    assert bob.get(f"/v1/models/{result['model']}").status_code == 404
+    assert problem_code(bob.post("/v1/designs", target)) == "design.no_model"
+
+
+def test_a_dismissed_training_ends_its_program_and_goes_on_with_the_same_request(lab_server: Api) -> None:
+    def programs() -> int:
+        return subprocess.run(["pgrep", "-f", f"{LAB} (learn|plan).*{lab_server.server.data}"], capture_output=True).stdout.count(b"\n")
+
+    job = lab_server.post(TRAININGS, training("own", 20_000)).json()["id"]
+    end = time.monotonic() + 120
+    while time.monotonic() < end and lab_server.get(f"/v1/jobs/{job}").json().get("message") != "designs":
+        time.sleep(0.2)
+    assert programs() == 1
+    time.sleep(3)
+    assert lab_server.delete(f"/v1/jobs/{job}").status_code in (200, 202, 204)
+    wait_for(lab_server, job, 30)
+    assert programs() == 0
+    kept = [path for path in Path(lab_server.server.data, "trainings").rglob("*") if path.is_file()]
+    assert any(path.name == "plan.txt" for path in kept)
+    before = {path: os.path.getsize(path) for path in kept if path.suffix == ".partial"}
+    assert before
+    again = lab_server.post(TRAININGS, training("own", 20_000)).json()["id"]
+    time.sleep(6)
+    lab_server.delete(f"/v1/jobs/{again}")
+    wait_for(lab_server, again, 30)
+    assert all(os.path.getsize(path) >= size for path, size in before.items())
