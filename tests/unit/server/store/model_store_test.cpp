@@ -11,6 +11,7 @@
 #include "supple/base/error.h"
 #include "supple/store/store.h"
 #include "supple/store/store_error.h"
+#include "support/expect_error.h"
 #include "support/temporary_folder.h"
 #include "support/test_model.h"
 
@@ -32,6 +33,11 @@ class ModelStoreTest : public ::testing::Test {
     neural::write_model(*made_ / "b1", test::test_model("b", 1));
     auto faulty = test::test_model("faulty", 1);
     faulty.provenance.training_seconds = std::nan("");
+    auto strange = test::test_model("strange", 1);
+    strange.family = "own";
+    neural::write_model(*made_ / "of_no_family", strange);
+    strange.definition = "family definition 1\n";
+    neural::write_model(*made_ / "of_damaged_family", strange);
     neural::write_model(*made_ / "faulty", faulty);
     std::ofstream(*made_ / "damaged") << testing::bytes_of(*made_ / "a2").substr(0, 3000);
   }
@@ -103,6 +109,42 @@ class ModelStoreTest : public ::testing::Test {
 };
 
 using Ids = std::vector<std::string>;
+
+TEST_F(ModelStoreTest, ShowsModelsOfAnOwnerToTheOwnerAlone) {
+  const auto own = folder_ / "own";
+  auto with_owners = options();
+  with_owners.own_folder = own;
+  put("a1", "a.h5");
+  store_ = std::make_unique<ModelStore>(with_owners);
+  store_->wait_until_read();
+  EXPECT_EQ(ids(), (Ids{"a"})) << "the folder of models with owners need not be there";
+  fs::create_directories(own);
+  put("b1", "own/" + ModelStore::mark_of("alice") + "-b.h5");
+  EXPECT_TRUE(soon([&] { return store_->size() == 2; }));
+  EXPECT_EQ(ids(), (Ids{"a"}));
+  EXPECT_EQ(store_->models("alice").size(), 2U);
+  EXPECT_EQ(store_->models("bob").size(), 1U);
+  EXPECT_EQ(store_->get("b", "alice")->model.id, "b");
+  EXPECT_EQ(VisibleModels(*store_, "alice").models().size(), 2U);
+  for (const std::string owner : {"bob", ""}) {
+    const auto error = testing::expect_error<ModelNotFound>("model.not_found", [&] { (void)store_->get("b", owner); });
+    EXPECT_EQ(std::string(error.what()).find("known are a, b"), std::string::npos) << "it is not even named";
+  }
+  put("b1", "own/c.h5");
+  EXPECT_TRUE(soon([&] { return store_->damaged() == 1; }));
+  EXPECT_NE(warnings().back().find("mark of an owner"), std::string::npos);
+}
+
+TEST_F(ModelStoreTest, LeavesOutModelsWhoseFamilyIsUnknown) {
+  put("a1", "a.h5");
+  put("of_no_family", "b.h5");
+  put("of_damaged_family", "c.h5");
+  start();
+  EXPECT_EQ(ids(), (Ids{"a"}));
+  EXPECT_EQ(store_->damaged(), 2U);
+  EXPECT_NE(warnings()[0].find("There is no family \"own\""), std::string::npos) << warnings()[0];
+  EXPECT_NE(warnings()[1].find("cannot be read: line"), std::string::npos) << warnings()[1];
+}
 
 TEST_F(ModelStoreTest, ReadsTheModelFilesOfTheFolderAndNothingElse) {
   put("b1", "z.h5");
