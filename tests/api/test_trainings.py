@@ -56,6 +56,27 @@ def wait_for(api: Api, job: str, seconds: float = 1500) -> Dict[str, Any]:
     raise AssertionError("the job did not end")
 
 
+@pytest.mark.parametrize("path", [PLANS, TRAININGS])
+@pytest.mark.parametrize("body, code, where", [
+    (b"{", "request.malformed_json", None),
+    ({}, "request.invalid", ["/family", "/budget"]),
+    (training("IH21", 59.9), "request.invalid", ["/budget/core_seconds"]),
+    (training("IH21", 1e9), "request.invalid", ["/budget/core_seconds"]),
+    (training("IH21", "much"), "request.invalid", ["/budget/core_seconds"]),
+    (training("IH21", accuracy={"error": 0.6}), "request.invalid", ["/accuracy/error"]),
+    (training("IH21", accuracy={"errors": 0.1}), "request.invalid", ["/accuracy/errors"]),
+    (training("IH21", seed=0), "request.invalid", ["/seed"]),
+    (training("IH21", seed=1.5), "request.invalid", ["/seed"]),
+    (training("IH21", deadline=-1), "request.invalid", ["/deadline"]),
+    (training("IH21", epochs=3), "request.invalid", ["/epochs"]),
+])
+def test_faulty_requests_name_their_fields(api: Api, path: str, body: Any, code: str, where: Any) -> None:
+    sent: Dict[str, Any] = {"body": body, "headers": {"Content-Type": "application/json"}} if isinstance(body, bytes) else {"document": body}
+    refused = api.post(path, faulty=True, **sent)
+    assert problem_code(refused) == code, refused.text
+    assert where is None or pointers(refused) == where
+
+
 def test_a_small_budget_is_refused_with_what_is_needed(lab_server: Api) -> None:
     refused = lab_server.post(PLANS, training("own", 60))
     assert (refused.status_code, problem_code(refused), pointers(refused)) == (422, "training.small_budget", ["/budget/core_seconds"])

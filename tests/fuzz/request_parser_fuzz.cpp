@@ -16,6 +16,7 @@
 #include "supple/json/model_requests.h"
 #include "supple/json/requests.h"
 #include "supple/json/structure_requests.h"
+#include "supple/json/trainings.h"
 #include "supple/json/voronoi_requests.h"
 #include "supple/json/weave_requests.h"
 #include "supple/json/weave_toolpath_requests.h"
@@ -185,7 +186,7 @@ void check_printer(const weave::PrinterProfile& printer) {
 }
 
 void parse(unsigned which, std::string_view body) {
-  switch (which % 20) {
+  switch (which % 21) {
     case 0: {
       const auto request = json::parse_geodesics(body, limits());
       require(request.mesh.size() == 64 && !request.pairs.empty() && request.pairs.size() <= limits().max_pairs);
@@ -346,6 +347,12 @@ void parse(unsigned which, std::string_view body) {
     case 19: {
       const auto request = json::parse_family_check(body, limits());
       check_family(request.definition);
+      return check_deadline(request.deadline);
+    }
+    case 20: {
+      const auto request = json::parse_training(body, limits());
+      require(!request.family.empty() && request.core_seconds >= 60 && request.core_seconds <= 1e7);
+      require(request.error >= 0 && request.error <= 0.5 && request.seed >= 1);
       return check_deadline(request.deadline);
     }
     default: {

@@ -169,8 +169,6 @@ store::Result train(const Training& training, const Execution& outer) {
 }
 
 Training training_of(const EndpointRequest& asked, const Loader& loader, const Services& services) {
-  if (services.lab.program.empty())
-    throw Error("training.unavailable", "This server has no supple-lab, which trains networks.");
   auto limits = loader.limits();
   limits.max_deadline = limits.default_deadline = services.limits.max_training;
   Training training{.request = json::parse_training(asked.body, limits, loader.cancellation()),
@@ -185,6 +183,8 @@ Training training_of(const EndpointRequest& asked, const Loader& loader, const S
     throw Error("family.no_definition", "The family " + training.request.family + " has no definition.",
                 {{"/family", "has no definition"}});
   training.definition = tiling::to_text(*family->definition);
+  if (services.lab.program.empty())
+    throw Error("training.unavailable", "This server has no supple-lab, which trains networks.");
   return training;
 }
 
