@@ -250,6 +250,8 @@ class LearningRun {
       if (cancellation_.requested()) throw Stopped();
       std::ofstream(folder_ / "model-calibration.svg") << training::calibration_plot(calibrated);
       write_atomically(folder_ / "model.md", {training::model_card(calibrated.model, data(), "model-calibration.svg")});
+      // The same run gives the same bytes, however often it was stopped. The card says how long the training took.
+      calibrated.model.provenance.training_seconds = 0;
       // The model comes last, since it says that everything is done.
       neural::write_model(path, calibrated.model);
     }

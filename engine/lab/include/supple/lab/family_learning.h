@@ -77,8 +77,8 @@ struct LearningResult {
 ///
 /// Everything lies in `folder`, a file for each step, which appears when the step is done: "round-0.h5", then for each
 /// round "committee-K-M.h5", "choice-K.txt" and "round-K.h5", then "model.h5" and "model.md". Unfinished steps have
-/// journals and checkpoints. So the same call goes on after a kill at any moment, and ends with the same model. One
-/// process at a time uses a folder.
+/// journals and checkpoints. So the same call goes on after a kill at any moment, and ends with a model of the same
+/// bytes, which therefore has no time of its training; its card has. One process at a time uses a folder.
 ///
 /// Throws "dataset.different_recipe" for a folder of other options, "training.too_few_designs" if hardly any design can
 /// be simulated, and what `make_dataset`, `training::train_model` and `training::calibrate` throw.
