@@ -20,6 +20,11 @@ std::string stage_of(const nlohmann::json& job) {
   if (partial->contains("gradient_norm"))
     return stage + fmt::format("  iteration {}, |gradient| {:.2g}", partial->at("iteration").get<int>(),
                                partial->at("gradient_norm").get<double>());
+  if (partial->contains("errors")) {
+    const auto& reached = partial->at("errors").back();
+    return stage + fmt::format("  errs by {} in the mean, {} designs", as_percent(reached.at("error").get<double>()),
+                               reached.at("designs").get<long>());
+  }
   if (partial->contains("round") || partial->contains("error")) {
     const bool is_polishing = partial->contains("round");
     const auto error = is_polishing ? partial->at("round").at("target_error") : partial->at("error").at("relative_rms");

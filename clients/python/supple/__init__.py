@@ -142,7 +142,7 @@ from .drawings import Drawing, DrawingRequest, DrawnPolygon
 from .targets import CurveNote, MeasuredCurve, MeasuredCurveRequest, Target
 from .parts import Part, PartFileRequest, PartOptions, PartRegion, PartRequest
 from .tilings import CellMesh, Family, Structure, StructureFileRequest, StructureRequest, Tile
-from .trainings import Training, TrainingPlan, TrainingPlanRequest, TrainingRequest
+from .trainings import PartialTraining, Training, TrainingPlan, TrainingPlanRequest, TrainingRequest
 from .voronoi import (
     RandomSites,
     Sites,
@@ -210,7 +210,7 @@ __all__ = [
     "Load", "MadeOf", "Material", "MaterialBound", "MeasuredCurve", "MeasuredCurveRequest", "Membrane", "Mesh", "MeshInfo", "MeshRepair",
     "Model", "ModelInfo", "Moving", "NetworkFileRequest", "NotFound", "OptimizationStep", "OptimizedVoronoi", "Part",
     "PartFileRequest", "PartOptions", "PartRegion", "PartRequest", "PartialDesign", "PartialOptimization",
-    "PartialRelaxation", "PartialRound", "PatchMesh", "Path", "Place", "PlacedPoint", "PointLike", "PointsInFaces",
+    "PartialRelaxation", "PartialRound", "PartialTraining", "PatchMesh", "Path", "Place", "PlacedPoint", "PointLike", "PointsInFaces",
     "PoissonDisk", "Polish", "PolishRound", "PossibleProfile", "PrintMove", "PrintOptions", "PrintStatistics", "ProblemError", "ProfileCurve",
     "ProfileRequest", "Progress", "RandomSites", "Region", "RegionDesigns", "RegionsRequest", "RelaxationOptions",
     "RelaxationRequest", "RelaxationStep", "RelaxedNetwork", "Request", "RequestTimeout", "ServerBusy", "ServerError",

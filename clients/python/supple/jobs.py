@@ -15,13 +15,14 @@ from .network_answers import PartialRelaxation
 from .progress import Progress, Reporter
 from .request import Request
 from .rounds import Rounds
+from .trainings import PartialTraining
 from .transport import Answer, Transport
 from .units import Number, without_unit
 from .voronoi_answers import PartialOptimization
 from .wire import At, decode
 
 Result = TypeVar("Result")
-Partial = Union[PartialDesign, PartialRound, PartialRelaxation, PartialOptimization]
+Partial = Union[PartialDesign, PartialRound, PartialRelaxation, PartialOptimization, PartialTraining]
 """An intermediate result of a job."""
 
 FIRST_POLL_INTERVAL = 0.05
@@ -39,6 +40,8 @@ def _partial(job: Mapping[str, Any]) -> Optional[Partial]:
         return decode(PartialRelaxation, partial)
     if job["kind"] == "voronoi-optimizations":
         return decode(PartialOptimization, partial)
+    if job["kind"] == "trainings":
+        return decode(PartialTraining, partial)
     return decode(PartialRound, partial) if "round" in partial else decode(PartialDesign, partial)
 
 
@@ -55,8 +58,8 @@ class JobStatus:
         stage: the current stage; empty if nothing runs.
         created: when the job was accepted, RFC 3339 in UTC.
         partial: an intermediate result. While designs are searched it is the best one so far, and then the structure that was
-            simulated last. For a network or an optimized Voronoi diagram it is the state after the latest iteration. None for
-            other computations.
+            simulated last. For a network or an optimized Voronoi diagram it is the state after the latest iteration, for a
+            training the errors that it has reached. None for other computations.
         priority: "interactive", "normal" or "background", as the request asked.
         remaining_seconds: estimated seconds until a running job ends; None while it does not run, or has hardly begun.
     """

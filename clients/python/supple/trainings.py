@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Optional
 
+from ._arrays import Array, Indices
 from .answers import Cost
 from .request import Deadline, Reported, Request, Timeout
 from .shown import Shown
@@ -24,6 +25,21 @@ class TrainingPlan(Shown):
     simulation_seconds: Annotated[float, At("/estimate/simulation")]
     training_seconds: Annotated[float, At("/estimate/training")]
     cost: Cost
+
+
+@dataclass(frozen=True, repr=False)
+class PartialTraining(Shown):
+    """The errors that a running training has reached, in their order.
+
+    Attributes:
+        family: its id.
+        designs: designs that were simulated by then, shape (n,).
+        errors: mean relative errors of the stress on designs that were held out, shape (n,).
+    """
+
+    family: str
+    designs: Annotated[Indices, At("/errors/*/designs")]
+    errors: Annotated[Array, At("/errors/*/error")]
 
 
 @dataclass(frozen=True, repr=False)

@@ -32,7 +32,8 @@ ANSWERS += [(kind, SCHEMAS[name]) for kind, name in (
     (supple.MeshInfo, "Mesh"), (supple.PatchMesh, "PatchMesh"), (supple.MeshRepair, "MeshRepair"), (supple.Family, "Family"), (supple.AddedFamily, "AddedFamily"), (supple.ModelInfo, "Model"),
     (JobStatus, "Job"), (PlacedPoint, "PlacedPoint"), (supple.Geodesic, "GeodesicResult"), (supple.GcodeReport, "GcodeReport"),
     (supple.PartialDesign, "PartialDesign"), (supple.PartialRound, "PartialRound"),
-    (supple.PartialRelaxation, "PartialRelaxation"), (supple.PartialOptimization, "PartialOptimization"))]
+    (supple.PartialRelaxation, "PartialRelaxation"), (supple.PartialOptimization, "PartialOptimization"),
+    (supple.PartialTraining, "PartialTraining"))]
 ALWAYS_SENT = {"CrossingMember.shift", "CrossingMember.slides", "WeaveSimulation.unknowns"}
 """Members of answers that the server always sends and the contract does not require."""
 NOT_OFFERED = {"known_path", "keep", "svg", "format", "panel_scale", "height", "cells"}

@@ -46,6 +46,15 @@ std::string write_training_plan(const std::string& family, const TrainingEstimat
   return out.take();
 }
 
+std::string write_partial_training(const std::string& family, std::span<const ReachedError> errors) {
+  JsonWriter out;
+  out.begin_object().field("family", family).key("errors").begin_array();
+  for (const ReachedError& reached : errors)
+    out.begin_object().field("designs", reached.designs).field("error", reached.error).end_object();
+  out.end_array().end_object();
+  return out.take();
+}
+
 std::string write_training(const FinishedTraining& training, const Bill& bill) {
   JsonWriter out;
   out.begin_object()

@@ -155,12 +155,15 @@ store::Result train(const Training& training, const Execution& outer) {
                                        finished.model, "--error",  plain_number(training.request.error)};
     std::istringstream options(made.options);
     for (std::string option; options >> option;) arguments.push_back(option);
+    std::vector<json::ReachedError> errors;
     run_lab(training, std::move(arguments), execution, [&](std::string_view line) {
       if (const auto progress = trainings::progress_in(line))
         if (execution.progress) execution.progress->report(progress->fraction, progress->stage);
       if (const auto error = trainings::error_in(line)) {
         finished.error = error->error;
         finished.designs = error->designs;
+        errors.push_back({error->error, error->designs});
+        if (execution.progress) execution.progress->publish(json::write_partial_training(finished.family, errors));
       }
     });
     serve(training, execution);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -26,6 +27,14 @@ struct TrainingEstimate {
   double training_seconds = 0;    ///< core-seconds
 };
 std::string write_training_plan(const std::string& family, const TrainingEstimate& estimate, const Bill& bill);
+
+/// What networks err by that have learned from some number of designs.
+struct ReachedError {
+  double error = 0;  ///< mean relative error of the stress on designs held out
+  std::int64_t designs = 0;
+};
+/// The errors that a running training has reached, in their order.
+std::string write_partial_training(const std::string& family, std::span<const ReachedError> errors);
 
 struct FinishedTraining {
   std::string model;   ///< id
