@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -32,6 +33,8 @@ void print_estimate(const nlohmann::json& answer) {
   const auto& estimate = answer.at("estimate");
   fmt::print("planned     {:.0f} core-seconds of simulations, {:.0f} of trainings\n",
              estimate.at("simulation").get<double>(), estimate.at("training").get<double>());
+  fmt::print("designs     {}, of which small networks choose {}\n", estimate.at("designs").get<std::int64_t>(),
+             estimate.at("chosen_designs").get<std::int64_t>());
 }
 
 void run(const GlobalOptions& options, const TrainingArguments& arguments) {
@@ -42,7 +45,7 @@ void run(const GlobalOptions& options, const TrainingArguments& arguments) {
   if (!arguments.only_plan)
     fmt::print("model       {} of {}: errs by {:.3g} % in the mean on designs that it has not seen, after {} designs\n",
                answer.at("model").get<std::string>(), answer.at("family").get<std::string>(),
-               100 * answer.at("error").get<double>(), answer.at("designs").get<long>());
+               100 * answer.at("error").get<double>(), answer.at("designs").get<std::int64_t>());
   print_estimate(answer);
 }
 

@@ -19,11 +19,15 @@ class TrainingPlan(Shown):
     Attributes:
         family: its id.
         simulation_seconds, training_seconds: core-seconds of the plan.
+        designs: number of designs that are simulated.
+        chosen_designs: number of those that a committee of small networks chooses.
     """
 
     family: str
     simulation_seconds: Annotated[float, At("/estimate/simulation")]
     training_seconds: Annotated[float, At("/estimate/training")]
+    designs: Annotated[int, At("/estimate/designs")]
+    chosen_designs: Annotated[int, At("/estimate/chosen_designs")]
     cost: Cost
 
 
@@ -51,6 +55,8 @@ class Training(Shown):
         family: its id.
         error: mean relative error of the stress on designs that were held out.
         designs: number of designs that were simulated.
+        error_designs, errors: designs that were simulated, shape (n,), when networks were judged, and the errors that were measured, shape (n,).
+            The last error is that of the network, the others are those of the committees that choose designs.
         simulation_seconds, training_seconds: core-seconds of the plan.
     """
 
@@ -58,6 +64,8 @@ class Training(Shown):
     family: str
     error: float
     designs: int
+    error_designs: Annotated[Indices, At("/errors/*/designs")]
+    errors: Annotated[Array, At("/errors/*/error")]
     simulation_seconds: Annotated[float, At("/estimate/simulation")]
     training_seconds: Annotated[float, At("/estimate/training")]
     cost: Cost

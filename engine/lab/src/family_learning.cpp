@@ -7,12 +7,14 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <chrono>
 #include <cstring>
 #include <fstream>
 #include <functional>
 #include <iterator>
 #include <sstream>
 #include <string_view>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -34,7 +36,10 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Designs with states that are needed at least, so that some are held out.
-constexpr std::int64_t min_simulated_designs = 12;
+constexpr std::int64_t min_simulated_designs = 20;
+/// Held-out designs, if all even designs can be simulated and are within the bounds.
+constexpr double min_test_designs = 6;
+constexpr double min_validation_designs = 3;
 
 std::string content_of(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -42,16 +47,28 @@ std::string content_of(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
+/// Ends a run that was asked to stop.
+struct Stopped {};
+
+/// A process that was asked to end may still have the folder for so long.
+constexpr std::chrono::seconds max_lock_wait{30};
+constexpr std::chrono::milliseconds between_lock_attempts{100};
+
 /// A lock on a folder, which ends with the process.
 class FolderLock {
  public:
-  explicit FolderLock(const fs::path& folder) {
+  FolderLock(const fs::path& folder, const CancellationToken& cancellation) {
     const auto path = folder / "lock";
     descriptor_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     if (descriptor_ < 0)
       throw Error("file.write_failed", "Cannot open " + path.string() + ": " + std::strerror(errno) + ".");
-    if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
+    const auto end = std::chrono::steady_clock::now() + max_lock_wait;
+    do {
+      if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
+      std::this_thread::sleep_for(between_lock_attempts);
+    } while (!cancellation.requested() && std::chrono::steady_clock::now() < end);
     ::close(descriptor_);
+    if (cancellation.requested()) throw Stopped();
     throw Error("dataset.in_use", "Another process makes a network in " + folder.string() + ".");
   }
   ~FolderLock() { ::close(descriptor_); }
@@ -74,7 +91,8 @@ std::string describe(const LearningOptions& options) {
   auto data = options.data;
   data.first = 0;
   data.designs = 1;
-  for (const auto& setting : recipe_of(data).settings())
+  const auto recipe = recipe_of(data);
+  for (const auto& setting : recipe.settings())
     text << setting.name << " " << dataset::to_string(setting.value) << "\n";
   return text.str();
 }
@@ -123,8 +141,6 @@ std::vector<double> numbers_in(const fs::path& path) {
   return numbers;
 }
 
-struct Stopped {};
-
 class LearningRun {
  public:
   LearningRun(const LearningOptions& options, fs::path folder, const CancellationToken& cancellation,
@@ -138,7 +154,7 @@ class LearningRun {
   LearningResult run() {
     try {
       fs::create_directories(folder_);
-      FolderLock lock(folder_);
+      const FolderLock lock(folder_, cancellation_);
       check_folder();
       simulate(0, {});
       require_designs();
@@ -226,6 +242,7 @@ class LearningRun {
       training::ModelOptions options;
       options.id = options_.id;
       options.use_features = has_features();
+      options.split = held_out();
       options.training.shape.width = width;
       options.training.epochs = epochs;
       options.training.seed = seed;
@@ -296,6 +313,15 @@ class LearningRun {
     return names;
   }
   std::size_t parameters() const { return family_of(options_.data).parameters.size(); }
+  /// The designs that judge the networks and calibrate their error bars are among the even ones. They are a larger part
+  /// of few designs.
+  training::SplitOptions held_out() const {
+    const auto designs = static_cast<double>(plan_.even_designs);
+    training::SplitOptions split;
+    split.test = std::max(split.test, min_test_designs / designs);
+    split.validation = std::max(split.validation, min_validation_designs / designs);
+    return split;
+  }
   /// Whether networks can read features of the tile, which must be one polygon.
   bool has_features() const { return family_of(options_.data).definition != nullptr; }
 

@@ -22,6 +22,8 @@ constexpr int min_designs_per_dimension = 15;
 /// With fewer designs than this the members of a committee differ by chance.
 constexpr std::int64_t min_designs_of_committees = 100;
 constexpr std::int64_t max_designs = 20'000;
+constexpr int wide = 96;
+constexpr int narrow = 64;
 constexpr int min_epochs = 150;
 constexpr int max_epochs = 2000;
 
@@ -53,24 +55,35 @@ LearningCost cost_of(const LearningPlan& plan, double design_seconds, int states
 
 LearningPlan plan_within(double core_seconds, double design_seconds, int states, int parameters) {
   const std::int64_t min_designs = std::int64_t{min_designs_per_dimension} * (parameters + 1);
-  auto smallest = with_designs(min_designs);
-  smallest.width = 64;
-  smallest.epochs = min_epochs;
-  if (const double needed = cost_of(smallest, design_seconds, states).total(); needed > core_seconds) {
+  // The cheapest plan with this number of designs.
+  const auto cheapest = [](std::int64_t designs) {
+    auto plan = with_designs(designs);
+    plan.width = narrow;
+    plan.epochs = min_epochs;
+    return plan;
+  };
+  if (const double needed = cost_of(cheapest(min_designs), design_seconds, states).total(); needed > core_seconds) {
     const std::string message =
         "A network of " + std::to_string(parameters) + " parameters takes about " + number_text(std::ceil(needed)) +
         " core-seconds at least: " + std::to_string(min_designs) + " designs of " + number_text(design_seconds) +
         " s each, and their training; there are " + number_text(core_seconds);
     throw Error("training.small_budget", message + ".", {{"budget/core_seconds", message}});
   }
-  const auto wanted = static_cast<std::int64_t>(simulation_share * core_seconds / design_seconds);
-  LearningPlan plan = with_designs(std::clamp(wanted, min_designs, max_designs));
-  for (const int width : {96, 64}) {
+  // As many designs as their share of the time and the training of the cheapest plan allow.
+  std::int64_t designs = min_designs;
+  std::int64_t too_many = max_designs + 1;
+  while (too_many - designs > 1) {
+    const std::int64_t middle = (designs + too_many) / 2;
+    const auto cost = cost_of(cheapest(middle), design_seconds, states);
+    const bool fits = cost.simulation <= simulation_share * core_seconds && cost.total() <= core_seconds;
+    (fits ? designs : too_many) = middle;
+  }
+  LearningPlan plan = with_designs(designs);
+  for (const int width : {wide, narrow}) {
     plan.width = width;
     plan.epochs = 0;
-    const double spent = cost_of(plan, design_seconds, states).total();
-    const auto designs = static_cast<double>(plan.even_designs + plan.rounds * plan.round_designs);
-    const double epochs = (core_seconds - spent) / (designs * states * state_seconds(width));
+    const double left = core_seconds - cost_of(plan, design_seconds, states).total();
+    const double epochs = left / (static_cast<double>(designs) * states * state_seconds(width));
     plan.epochs = static_cast<int>(std::clamp<double>(epochs, min_epochs, max_epochs));
     if (epochs >= 2 * min_epochs) break;
   }

@@ -161,8 +161,7 @@ void read_extension(const Hdf5Reader& file, NetworkShape& shape, TileGeometry& g
   std::copy(translations.begin(), translations.end(), geometry.translations.begin());
   geometry.tiles = size(group + "/tiles");
   geometry.beam_width = file.real(group + "/beam_width");
-  const auto members = file.members(group);
-  if (std::find(members.begin(), members.end(), "beam_width_slopes") != members.end())
+  if (file.contains(group + "/beam_width_slopes"))
     geometry.beam_width_slopes = file.column<double>(group + "/beam_width_slopes", 0);
   const auto kinds = file.text_column(group + "/feature_kind");
   const auto rows = static_cast<std::int64_t>(kinds.size());
@@ -228,7 +227,9 @@ Network read_network(const Hdf5Reader& file, std::int64_t version) {
     return Eigen::MatrixXd(
         Eigen::Map<const RowMajor>(values.data(), static_cast<long>(values.size()) / std::max(columns, 1), columns));
   };
-  if (version > 2) network.mesh_correction = matrix_of("network/mesh_correction");
+  // Newer layouts than that of the correction may be without it.
+  if (version == 3 || file.contains("network/mesh_correction"))
+    network.mesh_correction = matrix_of("network/mesh_correction");
   for (const auto& branch : branches) {
     auto& layers = network.*branch.layers;
     const auto members = file.members(std::string("network/") + branch.name);

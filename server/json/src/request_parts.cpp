@@ -12,7 +12,7 @@ double read_deadline(Fields& fields, const Limits& limits) {
   fields.number("deadline", deadline, 0, std::numeric_limits<double>::max(), true);
   if (deadline > limits.max_deadline) {
     problem::throw_limit("request.limit_exceeded", "The deadline in seconds", limits.max_deadline, deadline,
-                         "--max-deadline", fields.at("deadline"));
+                         limits.deadline_setting, fields.at("deadline"));
   }
   return deadline;
 }

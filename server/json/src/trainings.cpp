@@ -18,7 +18,16 @@ void write_estimate(JsonWriter& out, const TrainingEstimate& estimate) {
       .begin_object()
       .field("simulation", estimate.simulation_seconds)
       .field("training", estimate.training_seconds)
+      .field("designs", estimate.designs)
+      .field("chosen_designs", estimate.chosen_designs)
       .end_object();
+}
+
+void write_errors(JsonWriter& out, const std::vector<ReachedError>& errors) {
+  out.key("errors").begin_array();
+  for (const auto& [error, designs] : errors)
+    out.begin_object().field("designs", designs).field("error", error).end_object();
+  out.end_array();
 }
 
 }  // namespace
@@ -46,22 +55,23 @@ std::string write_training_plan(const std::string& family, const TrainingEstimat
   return out.take();
 }
 
-std::string write_partial_training(const std::string& family, std::span<const ReachedError> errors) {
+std::string write_partial_training(const std::string& family, const std::vector<ReachedError>& errors) {
   JsonWriter out;
-  out.begin_object().field("family", family).key("errors").begin_array();
-  for (const ReachedError& reached : errors)
-    out.begin_object().field("designs", reached.designs).field("error", reached.error).end_object();
-  out.end_array().end_object();
+  out.begin_object().field("family", family);
+  write_errors(out, errors);
+  out.end_object();
   return out.take();
 }
 
 std::string write_training(const FinishedTraining& training, const Bill& bill) {
+  const auto last = training.errors.empty() ? ReachedError() : training.errors.back();
   JsonWriter out;
   out.begin_object()
       .field("model", training.model)
       .field("family", training.family)
-      .field("error", training.error)
-      .field("designs", training.designs);
+      .field("error", last.error)
+      .field("designs", last.designs);
+  write_errors(out, training.errors);
   write_estimate(out, training.estimate);
   write_bill(out, bill);
   out.end_object();

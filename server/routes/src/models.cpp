@@ -19,7 +19,7 @@ Model model_of(const store::VisibleModels& models, const std::map<std::string, s
 
 json::ModelVersion version_of(const store::LoadedModel& model) { return {model.model.id, model.sha256}; }
 
-http::Response list(const Services& services, const http::Request& request) {
+http::Response list_models(const Services& services, const http::Request& request) {
   require_ready(services);
   json::JsonWriter out;
   out.begin_object().key("models").begin_array();
@@ -90,7 +90,7 @@ PreparedComputation prepare_uniaxial(const EndpointRequest& asked, const Loader&
 }  // namespace
 
 void add_model_routes(http::Router& router, Services& services) {
-  router.add({"GET", "/v1/models", [&services](const http::Request& r) { return list(services, r); }, {}});
+  router.add({"GET", "/v1/models", [&services](const http::Request& r) { return list_models(services, r); }, {}});
   router.add(
       {"GET", "/v1/models/{model}", [&services](const http::Request& r) { return show_model(services, r); }, {}});
   add_endpoint(router, services,

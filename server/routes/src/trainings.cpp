@@ -1,7 +1,8 @@
 #include "supple/json/trainings.h"
 
 #include <algorithm>
-#include <charconv>
+#include <array>
+#include <cctype>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -67,11 +68,18 @@ std::string content_of(const fs::path& path) {
   const auto open = line.rfind(" (");
   const auto code =
       open == std::string::npos || !line.ends_with(')') ? std::string() : line.substr(open + 2, line.size() - open - 3);
-  // These are the faults of a request. All others are unexpected, and are those of the server.
-  for (const auto* known : {"training.small_budget", "training.too_few_designs", "training.diverged"}) {
+  // These are the faults of a request, and those of the disk. All others are unexpected.
+  constexpr std::array<std::array<const char*, 2>, 5> faults_and_fields{
+      {{"training.small_budget", "/budget/core_seconds"},
+       {"training.too_few_designs", "/family"},
+       {"training.diverged", "/family"},
+       {"dataset.in_use", ""},
+       {"file.write_failed", ""}}};
+  for (const auto& [known, field] : faults_and_fields) {
     if (code != known) continue;
     const auto sentence = line.substr(0, open);
-    throw Error(code, sentence, {{code == "training.small_budget" ? "/budget/core_seconds" : "/family", sentence}});
+    if (*field == '\0') throw Error(code, sentence);
+    throw Error(code, sentence, {{field, sentence}});
   }
   throw Error("training.failed", "supple-lab ended with status " + std::to_string(ending.status) + ": " +
                                      (line.empty() ? ending.errors : line));
@@ -110,6 +118,7 @@ trainings::LabPlan plan_of(const Training& training, const Execution& execution)
     for (std::string line; std::getline(lines, line);) reader.read(line);
     if (auto plan = reader.plan()) return *plan;
   }
+  const StageTimer timer(execution.cost, "plan");
   trainings::LabPlanReader fresh;
   run_lab(training, {"plan", "--core-seconds", plain_number(training.request.core_seconds)}, execution,
           [&](std::string_view line) { fresh.read(line); });
@@ -120,7 +129,18 @@ trainings::LabPlan plan_of(const Training& training, const Execution& execution)
 }
 
 json::TrainingEstimate estimate_of(const trainings::LabPlan& plan) {
-  return {plan.simulation_seconds, plan.training_seconds};
+  const auto chosen = plan.rounds * plan.round_designs;
+  return {plan.simulation_seconds, plan.training_seconds, plan.even_designs + chosen, chosen};
+}
+
+/// Bills the committees of small networks that choose designs, of which `finished` have measured their error.
+void bill_committees(const Execution& execution, const trainings::LabPlan& plan, std::int64_t finished) {
+  std::string why = "the budget has too few designs for small networks to judge them";
+  if (plan.rounds > 0)
+    why = plain_number(static_cast<double>(plan.rounds)) + " rounds of " +
+          plain_number(static_cast<double>(plan.round_designs)) + " designs are planned";
+  if (finished > 0 && finished < plan.rounds) why += "; the error that was asked for was reached before";
+  execution.cost->add_effect("committee", finished > 0, why, finished);
 }
 
 /// Puts the finished model where the server reads models, and waits until it is there.
@@ -142,12 +162,16 @@ void serve(const Training& training, const Execution& execution) {
 
 store::Result plan(const Training& training, const Execution& outer) {
   trainings::LabPlan made;
-  const auto bill = billed(outer, [&](const Execution& execution) { made = plan_of(training, execution); });
+  const auto bill = billed(outer, [&](const Execution& execution) {
+    made = plan_of(training, execution);
+    bill_committees(execution, made, 0);
+  });
   return json_result(json::write_training_plan(training.request.family, estimate_of(made), bill));
 }
 
 store::Result train(const Training& training, const Execution& outer) {
-  json::FinishedTraining finished{.model = training.model_id(), .family = training.request.family, .estimate = {}};
+  json::FinishedTraining finished{
+      .model = training.model_id(), .family = training.request.family, .errors = {}, .estimate = {}};
   const auto bill = billed(outer, [&](const Execution& execution) {
     const auto made = plan_of(training, execution);
     finished.estimate = estimate_of(made);
@@ -155,17 +179,18 @@ store::Result train(const Training& training, const Execution& outer) {
                                        finished.model, "--error",  plain_number(training.request.error)};
     std::istringstream options(made.options);
     for (std::string option; options >> option;) arguments.push_back(option);
-    std::vector<json::ReachedError> errors;
+    const StageTimer timer(execution.cost, "learning");
     run_lab(training, std::move(arguments), execution, [&](std::string_view line) {
       if (const auto progress = trainings::progress_in(line))
         if (execution.progress) execution.progress->report(progress->fraction, progress->stage);
       if (const auto error = trainings::error_in(line)) {
-        finished.error = error->error;
-        finished.designs = error->designs;
-        errors.push_back({error->error, error->designs});
-        if (execution.progress) execution.progress->publish(json::write_partial_training(finished.family, errors));
+        finished.errors.push_back({error->error, error->designs});
+        if (execution.progress)
+          execution.progress->publish(json::write_partial_training(finished.family, finished.errors));
       }
     });
+    // The last error is that of the finished network.
+    bill_committees(execution, made, std::ssize(finished.errors) - 1);
     serve(training, execution);
   });
   return json_result(json::write_training(finished, bill));
@@ -174,6 +199,7 @@ store::Result train(const Training& training, const Execution& outer) {
 Training training_of(const EndpointRequest& asked, const Loader& loader, const Services& services) {
   auto limits = loader.limits();
   limits.max_deadline = limits.default_deadline = services.limits.max_training;
+  limits.deadline_setting = "--max-training";
   Training training{.request = json::parse_training(asked.body, limits, loader.cancellation()),
                     .definition = {},
                     .owner = loader.owner(),

@@ -21,11 +21,22 @@ std::optional<T> take_number(std::string_view& line) {
   return value;
 }
 
+/// The number that follows an option; 0 where there is none.
+std::int64_t number_after(std::string_view options, std::string_view name) {
+  while (!options.empty()) {
+    if (take_word(options) == name) return take_number<std::int64_t>(options).value_or(0);
+  }
+  return 0;
+}
+
 }  // namespace
 
 void LabPlanReader::read(std::string_view line) {
   if (line.starts_with("--")) {
     plan_.options = line;
+    plan_.even_designs = number_after(line, "--even-designs");
+    plan_.rounds = number_after(line, "--rounds");
+    plan_.round_designs = number_after(line, "--round-designs");
     ++lines_;
     return;
   }

@@ -52,6 +52,7 @@ TEST(DatasetOptions, ComeBackFromTheRecipeWithAFamilyOfOnesOwn) {
   auto definition = *tiling::family("IH21").definition;
   definition.id = "own";
   definition.parameters[0].range.lower = 0.12;
+  definition.parameters[0].range.preset = 0.13;
   definition.beam_width = {0.01, 0.2, 0.05};
   DatasetOptions options;
   options.family = "own";
@@ -63,7 +64,8 @@ TEST(DatasetOptions, ComeBackFromTheRecipeWithAFamilyOfOnesOwn) {
   EXPECT_GE(planned_design(back, 4).parameters[0], 0.12 - back.box_margin * 0.1)
       << "within the bounds of the definition";
   dataset::Recipe damaged;
-  for (const auto& setting : recipe_of(options).settings())
+  const auto recipe = recipe_of(options);
+  for (const auto& setting : recipe.settings())
     damaged.set(setting.name,
                 setting.name == "definition" ? dataset::Recipe::Value(std::string("none")) : setting.value,
                 setting.unit);

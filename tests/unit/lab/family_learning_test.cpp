@@ -1,18 +1,24 @@
 #include "supple/lab/family_learning.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
+#include <unistd.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <memory>
 #include <set>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "supple/base/random.h"
 #include "supple/neural/model.h"
 #include "supple/tiling/definition_text.h"
+#include "supple/tiling/isohedral_types.h"
 #include "support/expect_error.h"
 #include "support/temporary_folder.h"
 
@@ -21,15 +27,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A run of a few small designs and networks, for a family of one's own whose beams widen with a parameter. It takes
-/// some seconds, and the network is a poor one.
+/// A run of a few small designs and networks, for parallelograms whose beams widen with a parameter. It takes some
+/// seconds, and the network is a poor one.
 LearningOptions quick() {
   LearningOptions options;
-  auto definition = *tiling::family("IH29").definition;
+  constexpr int parallelograms = 41;
+  auto definition = tiling::definition_of(*tiling::find_isohedral_type(parallelograms), 0.3, 0.25);
   definition.id = "own";
-  definition.parameters[0].range = {0.2, 0.6, 0.4};
-  definition.parameters.push_back({"Width of the beams", {0.1, 0.2, 0.15}});
-  definition.beam_width = {0, 0, 1};
+  definition.parameters[0].range = {0.9, 1.3, 1};
+  definition.parameters[1].range = {0.3, 0.6, 0.4};
+  definition.parameters.push_back({"Width of the beams", {0.2, 0.3, 0.25}});
+  definition.beam_width = {0, 0, 0, 1};
   auto& data = options.data;
   data.family = definition.id;
   data.own_family = std::make_shared<const tiling::Family>(tiling::make_family(definition));
@@ -37,8 +45,8 @@ LearningOptions quick() {
   data.loads = {.tension_paths = 1,
                 .compression_paths = 1,
                 .biaxial_paths = 1,
-                .tension_states = 3,
-                .compression_states = 3,
+                .tension_states = 6,
+                .compression_states = 6,
                 .biaxial_states = 2,
                 .max_stretch = 1.05,
                 .min_stretch = 0.95,
@@ -49,9 +57,9 @@ LearningOptions quick() {
                   .round_designs = 4,
                   .members = 2,
                   .member_width = 16,
-                  .member_epochs = 6,
-                  .width = 16,
-                  .epochs = 10};
+                  .member_epochs = 40,
+                  .width = 32,
+                  .epochs = 250};
   return options;
 }
 
@@ -120,7 +128,7 @@ TEST_F(FamilyLearning, EndsWithTheSameModelAfterAnyNumberOfStops) {
   int stops = 0;
   LearningResult stopped;
   while (!stopped.finished && stops < 200) {
-    Reports reports(static_cast<int>(random.uniform(0, 12)));
+    Reports reports(static_cast<int>(random.uniform(0, 60)));
     stopped = learn_family(options, folder / "stopped", reports.token, &reports);
     stops += stopped.finished ? 0 : 1;
   }
@@ -137,6 +145,28 @@ TEST_F(FamilyLearning, ChoosesNoMoreDesignsOnceTheErrorIsReached) {
   EXPECT_TRUE(result.finished);
   EXPECT_EQ(result.designs, 24);
   EXPECT_EQ(reports.last, 1);
+}
+
+TEST_F(FamilyLearning, WaitsForTheFolderThatAnotherRunIsLeaving) {
+  auto options = quick();
+  options.data.simulation.mesh.max_nodes = 10;
+  const auto path = folder / "lock";
+  const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  ASSERT_GE(descriptor, 0);
+  ASSERT_EQ(::flock(descriptor, LOCK_EX | LOCK_NB), 0);
+  std::thread other([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    ::close(descriptor);
+  });
+  testing::expect_error("training.too_few_designs", [&] { (void)learn_family(options, folder.path()); });
+  other.join();
+  // A run that is asked to stop does not wait.
+  const int again = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
+  ASSERT_EQ(::flock(again, LOCK_EX | LOCK_NB), 0);
+  CancellationToken token;
+  token.request(StopReason::cancelled);
+  EXPECT_FALSE(learn_family(options, folder.path(), token).finished);
+  ::close(again);
 }
 
 TEST_F(FamilyLearning, SaysWhyNoDesignCanBeSimulated) {

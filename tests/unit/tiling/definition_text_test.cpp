@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "expect_error.h"
 #include "supple/base/random.h"
 #include "supple/tiling/isohedral_types.h"
 #include "supple/tiling/tiling_error.h"
+#include "support/expect_error.h"
 
 namespace supple::tiling {
 namespace {

@@ -8,11 +8,14 @@ namespace {
 TEST(LabPlanReader, ReadsWhatThePlanPrints) {
   LabPlanReader reader;
   EXPECT_FALSE(reader.plan());
-  for (const auto* line :
-       {"--even-designs 60 --rounds 2", "simulation 1200 core-seconds", "training 340.5 core-seconds"})
+  for (const auto* line : {"--even-designs 60 --rounds 2 --width 96 --round-designs 15", "simulation 1200 core-seconds",
+                           "training 340.5 core-seconds"})
     reader.read(line);
   ASSERT_TRUE(reader.plan());
-  EXPECT_EQ(reader.plan()->options, "--even-designs 60 --rounds 2");
+  EXPECT_EQ(reader.plan()->options, "--even-designs 60 --rounds 2 --width 96 --round-designs 15");
+  EXPECT_EQ(reader.plan()->even_designs, 60);
+  EXPECT_EQ(reader.plan()->rounds, 2);
+  EXPECT_EQ(reader.plan()->round_designs, 15);
   EXPECT_EQ(reader.plan()->simulation_seconds, 1200);
   EXPECT_EQ(reader.plan()->training_seconds, 340.5);
 }

@@ -102,7 +102,8 @@ TEST(RunLab, LimitsTheMemory) {
 }
 
 TEST(RunLab, SaysThatAProgramIsNotThere) {
-  testing::expect_error("training.unavailable", [] { (void)run_lab({.program = "/nowhere/supple-lab", .arguments = {}}, {}, {}); });
+  testing::expect_error("training.unavailable",
+                        [] { (void)run_lab({.program = "/nowhere/supple-lab", .arguments = {}}, {}, {}); });
 }
 
 TEST(RunLab, TakesTheProgramWithItWhenItsProcessIsKilled) {

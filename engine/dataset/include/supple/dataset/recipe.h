@@ -22,7 +22,9 @@ class Recipe {
   };
 
   void set(std::string name, Value value, std::string unit = {});
-  const std::vector<Setting>& settings() const { return settings_; }
+  const std::vector<Setting>& settings() const& { return settings_; }
+  /// The settings would end with a recipe that has no name, before a loop over them begins.
+  const std::vector<Setting>& settings() && = delete;
   bool has(std::string_view name) const;
   /// The value of that name. Throws "file.unreadable" if there is none, or none of that type.
   std::int64_t integer(std::string_view name) const;

@@ -21,6 +21,7 @@ struct Limits {
   std::size_t max_piece_corners = 2'000'000;  ///< corners of the pieces of cut faces in such an answer; fixed
   std::size_t max_gcode_lines = 200'000;      ///< lines of a G-code file that is checked; fixed
   double max_deadline = 3600;                 ///< seconds
+  const char* deadline_setting = "--max-deadline";
   double default_deadline = 600;              ///< seconds
   std::size_t max_layout_points = 5'000'000;  ///< points of the polylines of a layout's strands; fixed
   std::size_t max_load_points = 1'000'000;    ///< points with supports or forces, those in boxes too; fixed

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "supple/base/cancellation.h"
 #include "supple/json/answers.h"
@@ -25,6 +25,8 @@ TrainingRequest parse_training(std::string_view body, const Limits& limits, cons
 struct TrainingEstimate {
   double simulation_seconds = 0;  ///< core-seconds
   double training_seconds = 0;    ///< core-seconds
+  std::int64_t designs = 0;
+  std::int64_t chosen_designs = 0;  ///< those of them that small networks choose
 };
 std::string write_training_plan(const std::string& family, const TrainingEstimate& estimate, const Bill& bill);
 
@@ -34,13 +36,12 @@ struct ReachedError {
   std::int64_t designs = 0;
 };
 /// The errors that a running training has reached, in their order.
-std::string write_partial_training(const std::string& family, std::span<const ReachedError> errors);
+std::string write_partial_training(const std::string& family, const std::vector<ReachedError>& errors);
 
 struct FinishedTraining {
-  std::string model;   ///< id
-  std::string family;  ///< id
-  double error = 0;    ///< mean relative error of the stress on designs held out
-  std::int64_t designs = 0;
+  std::string model;                 ///< id
+  std::string family;                ///< id
+  std::vector<ReachedError> errors;  ///< the last one is that of the finished network
   TrainingEstimate estimate;
 };
 std::string write_training(const FinishedTraining& training, const Bill& bill);

@@ -12,6 +12,9 @@ struct LabPlan {
   std::string options;            ///< of `supple-lab learn`, separated by blanks
   double simulation_seconds = 0;  ///< core-seconds
   double training_seconds = 0;    ///< core-seconds
+  std::int64_t even_designs = 0;
+  std::int64_t rounds = 0;         ///< of designs that a committee of networks chooses
+  std::int64_t round_designs = 0;  ///< designs of a round
 };
 
 /// Reads its lines one after the other.
