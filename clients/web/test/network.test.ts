@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { decades, powerWords } from "../src/mesh/convergence_plot";
+import { decades, powerWords } from "../src/base/convergence_plot";
 import { readMeshLink, writeMeshLink } from "../src/mesh/link";
 import type { Vector } from "../src/mesh/mesh_data";
 import { fileRequest, constructionRequest, type Network, networkKey, relaxationRequest, springsOf, straightValues } from "../src/mesh/network";

@@ -6,10 +6,10 @@ import { area, curveMonotoneX, line } from "d3-shape";
 import { type Curve, pieces } from "../base/curve";
 import { svg, uniqueId } from "../base/dom";
 import { digits } from "../base/format";
+import { Handles } from "../base/handles";
 import { heightDomain, widthDomain } from "../base/domains";
 import { panned, section, zoomedAt } from "../base/plot_zoom";
-import { Handles } from "./handles";
-import type { PlotView, PlotActions } from "./plot";
+import { CONTROL_POINT_NAMES, type PlotActions, type PlotView } from "./plot";
 import { type Pixels, ProfilePlot } from "./profile_plot";
 import type { Band } from "./shown";
 import { type ControlPoint, TASK_WORDS } from "./state";
@@ -50,6 +50,7 @@ export class CartesianPlot extends ProfilePlot {
         heights: () => this.y.domain(),
       },
       actions,
+      CONTROL_POINT_NAMES,
     );
     const clipped = { "clip-path": `url(#${this.clip})` };
     this.backdrop.append(

@@ -2,6 +2,7 @@
 import { button } from "../base/controls";
 import { copyMenu } from "../base/copy_as";
 import { h } from "../base/dom";
+import { handleDrops } from "../base/drops";
 import { shareButton } from "../base/share";
 import { StateLink } from "../base/state_link";
 import { undoKeys } from "../base/undo_keys";
@@ -9,7 +10,6 @@ import { type Client, ConnectionLost, explain } from "../contract/client";
 import type { Page, PageContext } from "../page";
 import { commandOf, curlOf, pythonOf } from "./copy_text";
 import { isDrawing } from "./drawing";
-import { handleDrops } from "./drops";
 import { exportMenu } from "./export_menu";
 import { readLink, writeLink } from "./link";
 import { Measured, tableOf } from "./measured";

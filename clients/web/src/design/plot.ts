@@ -1,5 +1,6 @@
 // The interface of both plots: the view that a plot draws, and the actions that it calls when the user edits the target.
 import type { Curve } from "../base/curve";
+import type { HandleActions, HandleNames, HandlesView } from "../base/handles";
 import type { Task } from "../contract/types";
 import type { Band, Envelope } from "./shown";
 import type { ControlPoint, StrainWord } from "./state";
@@ -9,12 +10,11 @@ export interface PinnedCurve extends Curve {
   readonly name: string;
 }
 
-export interface PlotView {
+export const CONTROL_POINT_NAMES: HandleNames = { group: "Control points of the target", of: (index) => `Control point ${index + 1}` };
+
+/** The points are the control points of the target, of which those are faulty for which the server has refused it. */
+export interface PlotView extends HandlesView {
   readonly task: Task;
-  readonly points: readonly ControlPoint[];
-  readonly selected: number | null;
-  /** Control points for which the server has refused the target. */
-  readonly faulty: readonly number[];
   readonly target: (x: number) => number;
   readonly achieved: Curve | null;
   readonly provisional: boolean;
@@ -40,32 +40,10 @@ export interface PlotView {
   readonly dragging: boolean;
 }
 
-export interface PlotActions {
-  begin(): void;
-  move(index: number, to: ControlPoint): void;
-  end(): void;
+export interface PlotActions extends HandleActions {
   add(at: ControlPoint): void;
-  remove(index: number): void;
-  select(index: number | null): void;
   /** Called with the strain or the angle at the pointer, and with null when it leaves. */
   hover(x: number | null): void;
   /** Called when a pinch or the wheel with Ctrl has changed the visible section. */
   zoomed(isZoomed: boolean): void;
-}
-
-/** The step of an arrow key, in fractions of the plot's width and height; null for other keys. */
-export function keyStep(event: KeyboardEvent): readonly [number, number] | null {
-  const size = event.shiftKey ? 0.05 : 0.01;
-  switch (event.key) {
-    case "ArrowLeft":
-      return [-size, 0];
-    case "ArrowRight":
-      return [size, 0];
-    case "ArrowUp":
-      return [0, size];
-    case "ArrowDown":
-      return [0, -size];
-    default:
-      return null;
-  }
 }

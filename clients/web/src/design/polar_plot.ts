@@ -4,10 +4,10 @@ import type { Curve } from "../base/curve";
 import { svg, uniqueId } from "../base/dom";
 import { radialDomain } from "../base/domains";
 import { degrees, digits } from "../base/format";
+import { Handles } from "../base/handles";
 import { zoomedAt } from "../base/plot_zoom";
 import { polarGrid, polarPath } from "../base/polar";
-import { Handles } from "./handles";
-import type { PlotView, PlotActions } from "./plot";
+import { CONTROL_POINT_NAMES, type PlotActions, type PlotView } from "./plot";
 import { type Pixels, ProfilePlot } from "./profile_plot";
 import type { Band } from "./shown";
 import { type ControlPoint, TASK_WORDS } from "./state";
@@ -50,6 +50,7 @@ export class PolarPlot extends ProfilePlot {
         heights: () => this.radius.domain(),
       },
       actions,
+      CONTROL_POINT_NAMES,
     );
     this.backdrop.append(this.centre, this.title);
     this.centre.append(

@@ -1,7 +1,7 @@
 // The base class of both plots of a profile: size, layers, and the elements of each layer.
 import { type Curve, pieces } from "../base/curve";
 import { replaceChanged, svg, writeAttribute } from "../base/dom";
-import { type Handles, pixelsOf } from "./handles";
+import { type Handles, pixelsOf } from "../base/handles";
 import type { PlotView, PlotActions } from "./plot";
 import type { Band } from "./shown";
 import { type AxisZoom, listenForZoom, WHOLE } from "../base/plot_zoom";

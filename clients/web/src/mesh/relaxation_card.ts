@@ -2,6 +2,7 @@
 import { announce } from "../base/announce";
 import { costTables, effectTable } from "../base/bill_tables";
 import { button, Select, Slider } from "../base/controls";
+import { ConvergencePlot } from "../base/convergence_plot";
 import { h, replace } from "../base/dom";
 import { download } from "../base/download";
 import { EffectChips } from "../base/effect_chips";
@@ -11,12 +12,11 @@ import { savePng } from "../base/png_file";
 import { svgOf } from "../base/svg_file";
 import { table } from "../base/tables";
 import type { EmbeddedSystem } from "../contract/types";
-import { ConvergencePlot } from "./convergence_plot";
 import { hostFacts, hostLegend } from "./host_legend";
 import { frameAt } from "./network_frames";
 import type { FileKind, NetworkSession, RelaxationRun } from "./network_session";
 import type { ColourBy, NetworkView, StretchRange, TriangleColourBy } from "./network_view";
-import { notesOf, vertexWords } from "./relaxation_words";
+import { GRADIENT_WORDS, notesOf, vertexWords } from "./relaxation_words";
 import { cssGradient, type Range, type Rgb, SPRING_RAMP } from "./spring_colours";
 import { RAMP } from "./surface_material";
 
@@ -40,7 +40,7 @@ const SPRING_COLOURS = [{ value: "energy", words: "Energy" }, { value: "length",
 const TRIANGLE_COLOURS = [{ value: "stretch", words: "Greater principal stretch" }, { value: "density", words: "Energy per area at rest" }] as const;
 
 export function relaxationCard(network: NetworkSession, view: NetworkView): HTMLElement {
-  const plot = new ConvergencePlot();
+  const plot = new ConvergencePlot(GRADIENT_WORDS);
   const stage = h("div", { class: "convergence-stage" }, plot.element);
   new ResizeObserver(() => plot.resize(stage.clientWidth, stage.clientHeight)).observe(stage);
   const sentence = h("p", { class: "stop" });
@@ -61,7 +61,7 @@ export function relaxationCard(network: NetworkSession, view: NetworkView): HTML
     const relaxing = network.relaxing.get();
     if (!relaxing) return;
     const frame = view.frame.get();
-    plot.update({ steps: relaxing.steps, tolerance: relaxing.gradientTolerance, current: frame?.iteration ?? relaxing.steps.at(-1)?.iteration ?? null });
+    plot.update({ steps: relaxing.steps.map(({ iteration, gradient }) => ({ count: iteration, value: gradient })), tolerance: relaxing.gradientTolerance, current: frame?.iteration ?? relaxing.steps.at(-1)?.iteration ?? null });
     replace(facts, ...factsOf(relaxing, frame?.iteration ?? null, view.stretches.get()).flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
   }
 

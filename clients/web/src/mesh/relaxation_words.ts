@@ -1,7 +1,20 @@
 // Sentences about a relaxed network: what its user has to know at once, and what is of interest beside the bill.
+import { type ConvergenceWords, powerWords } from "../base/convergence_plot";
+import { digits } from "../base/format";
 import { inWords } from "../contract/places";
 import type { EmbeddedSystem } from "../contract/types";
 import { hasShrunk } from "./shrinking";
+
+/** Words of the plot of a relaxation. */
+export const GRADIENT_WORDS: ConvergenceWords = {
+  xTitle: "Iteration",
+  yTitle: "Gradient of the energy",
+  counted: "iterations",
+  tolerance: "tolerance",
+  valueWords: (value) => digits(value, 2),
+  tickWords: powerWords,
+  multiples: [],
+};
 
 /** What is shown first. */
 export function notesOf(answer: Pick<EmbeddedSystem, "warnings" | "springs" | "history" | "mollified">): string[] {

@@ -1,6 +1,7 @@
 // The card of a Voronoi diagram: counts, convergence of the optimization, statistics before and after, and files.
 import { announce } from "../base/announce";
 import { button, Select, Slider } from "../base/controls";
+import { ConvergencePlot } from "../base/convergence_plot";
 import { h, replace } from "../base/dom";
 import { download } from "../base/download";
 import { EffectChips } from "../base/effect_chips";
@@ -9,7 +10,7 @@ import { digits, seconds } from "../base/format";
 import { table } from "../base/tables";
 import { inWords } from "../contract/places";
 import type { VoronoiOptimization, VoronoiStatistics } from "../contract/types";
-import { ConvergencePlot } from "./convergence_plot";
+import { GRADIENT_WORDS } from "./relaxation_words";
 import { cssGradient } from "./spring_colours";
 import { RAMP } from "./surface_material";
 import { statisticsRows } from "./voronoi_statistics";
@@ -33,7 +34,7 @@ const FILE_KINDS: readonly (readonly [VoronoiFile, string, string])[] = [
 ];
 
 export function voronoiCard(voronoi: VoronoiSession, view: VoronoiView): HTMLElement {
-  const plot = new ConvergencePlot();
+  const plot = new ConvergencePlot(GRADIENT_WORDS);
   const stage = h("div", { class: "convergence-stage" }, plot.element);
   new ResizeObserver(() => plot.resize(stage.clientWidth, stage.clientHeight)).observe(stage);
   const sentence = h("p", { class: "stop" });
@@ -80,7 +81,10 @@ export function voronoiCard(voronoi: VoronoiSession, view: VoronoiView): HTMLEle
     sentence.textContent = answer ? VORONOI_TERMINATIONS[answer.stopped] : optimizing ? "The sites are moving." : "";
     sentence.hidden = sentence.textContent === "";
     stage.hidden = !optimizing;
-    if (optimizing) plot.update({ steps: optimizing.steps, tolerance: answer?.accuracy.gradient_tolerance ?? 0, current: optimizing.steps.at(-1)?.iteration ?? null });
+    if (optimizing) {
+      const steps = optimizing.steps.map(({ iteration, gradient }) => ({ count: iteration, value: gradient }));
+      plot.update({ steps, tolerance: answer?.accuracy.gradient_tolerance ?? 0, current: steps.at(-1)?.count ?? null });
+    }
     replace(facts, ...factsNow().flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
     chips.show(chipsOf(result.diagram.effects, {}));
     replace(notes, ...result.diagram.warnings.map(inWords).map((words) => h("p", { class: "note" }, words)));

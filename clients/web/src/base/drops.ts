@@ -1,6 +1,6 @@
 // Files that are dropped onto the page, and the highlight of the card below them.
-import { h } from "../base/dom";
-import { textOf } from "../base/text_file";
+import { h } from "./dom";
+import { textOf } from "./text_file";
 
 /** Uses a dropped file. Resolves with the reason for a refusal, or with "". */
 export type FileHandler = (text: string, name: string, bytes: ArrayBuffer) => Promise<string>;

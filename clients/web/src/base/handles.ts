@@ -1,33 +1,55 @@
-// The handles of a plot's control points, which pointer and keys move.
-import { svg, writeAttribute } from "../base/dom";
-import { keyStep, type PlotView, type PlotActions } from "./plot";
-import type { ControlPoint } from "./state";
+// The handles of the points of a plot or of a drawing, which pointer and keys move.
+import { svg, writeAttribute } from "./dom";
+
+export type HandlePoint = readonly [x: number, y: number];
+
+/** What is shown of the points. */
+export interface HandlesView {
+  readonly points: readonly HandlePoint[];
+  readonly selected: number | null;
+  /** Indices of points that a refusal names. */
+  readonly faulty: readonly number[];
+}
+
+export interface HandleActions {
+  begin(): void;
+  move(index: number, to: HandlePoint): void;
+  end(): void;
+  remove(index: number): void;
+  select(index: number | null): void;
+}
+
+/** Names for screen readers: that of the group, and that of each handle. */
+export interface HandleNames {
+  readonly group: string;
+  of(index: number): string;
+}
 
 /** The coordinate system of a plot: converts between values and pixels. */
 export interface Plane {
-  toPixels(point: ControlPoint): readonly [number, number];
+  toPixels(point: HandlePoint): readonly [number, number];
   /** Called when the pointer grabs a point. */
-  grab(pixels: readonly [number, number], point: ControlPoint): void;
+  grab(pixels: readonly [number, number], point: HandlePoint): void;
   /** The new value of a dragged point when the pointer is at some pixels. */
-  toPoint(pixels: readonly [number, number], from: ControlPoint): ControlPoint;
+  toPoint(pixels: readonly [number, number], from: HandlePoint): HandlePoint;
   /** Whether a point cannot be moved. */
-  isFixed(point: ControlPoint): boolean;
+  isFixed(point: HandlePoint): boolean;
   /** The point after a step of a key; `step` is in fractions of the plot's width and height. */
-  nudged(point: ControlPoint, step: readonly [number, number]): ControlPoint;
-  describe(point: ControlPoint): string;
+  nudged(point: HandlePoint, step: readonly [number, number]): HandlePoint;
+  describe(point: HandlePoint): string;
   /** Smallest and largest y that is shown. */
   heights(): readonly number[];
   /** Further places in pixels where the same point is shown and can be grabbed: its copy after half a turn in a polar plot. */
-  echoes(point: ControlPoint): readonly (readonly [number, number])[];
+  echoes(point: HandlePoint): readonly (readonly [number, number])[];
 }
 
 const KEY_PAUSE_MS = 450;
 
 export class Handles {
-  readonly group = svg("g", { class: "handles", role: "group", "aria-label": "Control points of the target" });
+  readonly group: SVGGElement;
   private readonly echoes = svg("g", { class: "echoes", "aria-hidden": "true" });
   private readonly handles = svg("g");
-  private view: PlotView | null = null;
+  private view: HandlesView | null = null;
   private dragged: number | null = null;
   private following = false;
   private keyTimer: ReturnType<typeof setTimeout> | undefined;
@@ -35,8 +57,10 @@ export class Handles {
   constructor(
     private readonly root: SVGSVGElement,
     private readonly plane: Plane,
-    private readonly actions: PlotActions,
+    private readonly actions: HandleActions,
+    private readonly names: HandleNames,
   ) {
+    this.group = svg("g", { class: "handles", role: "group", "aria-label": names.group });
     this.group.append(this.echoes, this.handles);
   }
 
@@ -48,7 +72,7 @@ export class Handles {
     this.following = false;
   }
 
-  update(view: PlotView): void {
+  update(view: HandlesView): void {
     this.view = view;
     while (this.handles.children.length > view.points.length) this.handles.lastElementChild?.remove();
     while (this.handles.children.length < view.points.length) this.handles.append(this.makeHandle(this.handles.children.length));
@@ -67,9 +91,10 @@ export class Handles {
     (this.handles.children[index] as SVGElement | undefined)?.focus();
   }
 
-  private place(handle: Element, point: ControlPoint, index: number): void {
+  private place(handle: Element, point: HandlePoint, index: number): void {
     const [x, y] = this.plane.toPixels(point);
     writeAttribute(handle, "transform", `translate(${x},${y})`);
+    writeAttribute(handle, "aria-label", this.names.of(index));
     const [min, max] = this.plane.heights();
     writeAttribute(handle, "aria-valuemin", Math.min(min, point[1]).toFixed(6));
     writeAttribute(handle, "aria-valuemax", Math.max(max, point[1]).toFixed(6));
@@ -83,7 +108,7 @@ export class Handles {
   private makeHandle(index: number): SVGGElement {
     const handle = svg(
       "g",
-      { class: "handle", tabindex: 0, role: "slider", "aria-label": `Control point ${index + 1}`, "data-index": index },
+      { class: "handle", tabindex: 0, role: "slider", "data-index": index },
       svg("circle", { class: "reach", r: 18 }),
       svg("circle", { class: "halo", r: 12 }),
       svg("circle", { class: "dot", r: 6.5 }),
@@ -159,6 +184,23 @@ export class Handles {
     clearTimeout(this.keyTimer);
     this.keyTimer = undefined;
     this.actions.end();
+  }
+}
+
+/** The step of an arrow key, in fractions of the plot's width and height; null for other keys. */
+export function keyStep(event: KeyboardEvent): readonly [number, number] | null {
+  const size = event.shiftKey ? 0.05 : 0.01;
+  switch (event.key) {
+    case "ArrowLeft":
+      return [-size, 0];
+    case "ArrowRight":
+      return [size, 0];
+    case "ArrowUp":
+      return [0, size];
+    case "ArrowDown":
+      return [0, -size];
+    default:
+      return null;
   }
 }
 

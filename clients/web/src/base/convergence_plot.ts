@@ -1,10 +1,9 @@
-// The gradient's norm over the iterations of a relaxation, on a logarithmic axis.
+// A quantity that falls while something converges, on a logarithmic axis: the gradient's norm over iterations, an error over designs.
 import { axisBottom, axisLeft } from "d3-axis";
 import { scaleLinear, scaleLog } from "d3-scale";
 import { select } from "d3-selection";
 import { line } from "d3-shape";
-import { svg } from "../base/dom";
-import { digits } from "../base/format";
+import { svg } from "./dom";
 
 const MARGIN = { top: 26, right: 14, bottom: 40, left: 58 };
 /** Minimum distance of two labels in pixels. */
@@ -12,12 +11,25 @@ const LABEL_PIXELS = 26;
 const MAX_DOTS = 80;
 
 export interface ConvergenceView {
-  /** The known iterations, beginning with the start. */
-  readonly steps: readonly { readonly iteration: number; readonly gradient: number }[];
-  /** Gradient norm at which the relaxation ends. */
+  /** The known values, each after a count of iterations, designs or the like. */
+  readonly steps: readonly { readonly count: number; readonly value: number }[];
+  /** The value at which the computation ends; 0 for none. */
   readonly tolerance: number;
-  /** The iteration that is shown in the view. */
+  /** The count that is marked. */
   readonly current: number | null;
+}
+
+export interface ConvergenceWords {
+  readonly xTitle: string;
+  readonly yTitle: string;
+  /** What is counted, as in "over the iterations". */
+  readonly counted: string;
+  readonly tolerance: string;
+  valueWords(value: number): string;
+  /** Label of a line of the grid. */
+  tickWords(value: number): string;
+  /** Multiples of powers of ten that have a line of the grid, too. */
+  readonly multiples: readonly number[];
 }
 
 /** Exponents of the powers of ten that enclose all positive values; one decade if there are none. */
@@ -36,10 +48,10 @@ export class ConvergencePlot {
   private readonly ground = svg("rect", { class: "ground" });
   private readonly xAxis = svg("g", { class: "axis" });
   private readonly yAxis = svg("g", { class: "axis" });
-  private readonly xTitle = svg("text", { class: "axis-title", "text-anchor": "end" }, "Iteration");
-  private readonly yTitle = svg("text", { class: "axis-title", x: 8, y: 15 }, "Gradient of the energy");
+  private readonly xTitle = svg("text", { class: "axis-title", "text-anchor": "end" });
+  private readonly yTitle = svg("text", { class: "axis-title", x: 8, y: 15 });
   private readonly goal = svg("path", { class: "curve target" });
-  private readonly goalWords = svg("text", { class: "axis-title goal-words", "text-anchor": "end" }, "tolerance");
+  private readonly goalWords = svg("text", { class: "axis-title goal-words", "text-anchor": "end" });
   private readonly curve = svg("path", { class: "curve achieved" });
   private readonly dots = svg("g", { class: "dots" });
   private readonly mark = svg("circle", { class: "current", r: 5.5 });
@@ -47,7 +59,10 @@ export class ConvergencePlot {
   private height = 240;
   private view: ConvergenceView | null = null;
 
-  constructor() {
+  constructor(private readonly words: ConvergenceWords) {
+    this.xTitle.textContent = words.xTitle;
+    this.yTitle.textContent = words.yTitle;
+    this.goalWords.textContent = words.tolerance;
     this.element.append(this.ground, this.xAxis, this.yAxis, this.goal, this.curve, this.dots, this.mark, this.goalWords, this.xTitle, this.yTitle);
   }
 
@@ -62,15 +77,15 @@ export class ConvergencePlot {
     const { steps, tolerance } = view;
     for (const [name, value] of [["viewBox", `0 0 ${width} ${height}`], ["width", width], ["height", height]] as const) this.element.setAttribute(name, String(value));
     const last = steps[steps.length - 1];
-    this.element.setAttribute("aria-label",
-      last ? `Gradient of the energy over the iterations: ${digits(steps[0].gradient, 2)} at first, ${digits(last.gradient, 2)} after ${last.iteration}`
-        : "Gradient of the energy over the iterations");
-    const [lower, upper] = decades([...steps.map((step) => step.gradient), tolerance]);
-    this.x.domain([0, Math.max(1, last?.iteration ?? 1)]).range([MARGIN.left, width - MARGIN.right]);
+    const { yTitle, counted, valueWords } = this.words;
+    const name = `${yTitle} over the ${counted}`;
+    this.element.setAttribute("aria-label", last ? `${name}: ${valueWords(steps[0].value)} at first, ${valueWords(last.value)} after ${last.count}` : name);
+    const [lower, upper] = decades([...steps.map((step) => step.value), tolerance]);
+    this.x.domain([0, Math.max(1, last?.count ?? 1)]).range([MARGIN.left, width - MARGIN.right]);
     this.y.domain([10 ** lower, 10 ** upper]).range([height - MARGIN.bottom, MARGIN.top]);
     this.drawAxes(lower, upper);
     const shape = line<readonly [number, number]>();
-    const places = steps.map((step) => [this.x(step.iteration), this.heightOf(step.gradient)] as const);
+    const places = steps.map((step) => [this.x(step.count), this.heightOf(step.value)] as const);
     this.curve.setAttribute("d", shape(places) ?? "");
     this.dots.replaceChildren(...(places.length <= MAX_DOTS ? places : []).map(([cx, cy]) => svg("circle", { cx, cy, r: 2.6 })));
     const goal = this.heightOf(tolerance);
@@ -78,7 +93,7 @@ export class ConvergencePlot {
     this.goalWords.setAttribute("visibility", tolerance > 0 ? "visible" : "hidden");
     this.goalWords.setAttribute("x", String(width - MARGIN.right - 4));
     this.goalWords.setAttribute("y", String(goal - 6));
-    const current = steps.findIndex((step) => step.iteration === view.current);
+    const current = steps.findIndex((step) => step.count === view.current);
     this.mark.setAttribute("visibility", current >= 0 ? "visible" : "hidden");
     if (current >= 0) {
       this.mark.setAttribute("cx", String(places[current][0]));
@@ -94,11 +109,12 @@ export class ConvergencePlot {
     }
     const every = Math.max(1, Math.ceil(((upper - lower) * LABEL_PIXELS) / Math.max(1, inner)));
     const powers = Array.from({ length: upper - lower + 1 }, (_, k) => lower + k).filter((power) => (power - lower) % every === 0);
+    const lines = powers.flatMap((power) => [1, ...this.words.multiples].map((multiple) => multiple * 10 ** power)).filter((value) => value <= 10 ** upper);
     const whole = this.x.ticks(Math.max(2, Math.round(across / 70))).filter(Number.isInteger);
     this.xAxis.setAttribute("transform", `translate(0,${height - MARGIN.bottom})`);
     this.yAxis.setAttribute("transform", `translate(${MARGIN.left},0)`);
     select(this.xAxis).call(axisBottom(this.x).tickValues(whole).tickFormat(String).tickSize(-inner).tickPadding(8));
-    select(this.yAxis).call(axisLeft(this.y).tickValues(powers.map((power) => 10 ** power)).tickFormat((value) => powerWords(Number(value))).tickSize(-across).tickPadding(8));
+    select(this.yAxis).call(axisLeft(this.y).tickValues(lines).tickFormat((value) => this.words.tickWords(Number(value))).tickSize(-across).tickPadding(8));
     this.xTitle.setAttribute("x", String(width - MARGIN.right));
     this.xTitle.setAttribute("y", String(height - 6));
   }
