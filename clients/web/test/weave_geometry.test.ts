@@ -1,9 +1,10 @@
 import { describe, expect, it } from "vitest";
 import type { WeaveHomogenization, WeaveLayout } from "../src/contract/types";
 import { polarPath } from "../src/base/polar";
+import { latticeCoordinates } from "../src/base/plane";
 import { carriedOverrides } from "../src/weave/carried";
 import { clickWords, connectionWords, crossingWords, nextConnection, withConnection } from "../src/weave/connections";
-import { blockOf, directionAt, latticeCoordinates, periodicDistance } from "../src/weave/geometry";
+import { blockOf, directionAt, periodicDistance } from "../src/weave/geometry";
 import { isLattice, roundedToGrid, strandOf, withLattice } from "../src/weave/layout_edit";
 import { csvOf, gapWords, nearestDirection, profileOf } from "../src/weave/profile";
 import { sheetOverrides, sheetSupports, sheetWeave, tiledStrands } from "../src/weave/sheet";

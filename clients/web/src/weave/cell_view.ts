@@ -2,8 +2,9 @@
 import { Segments } from "../base/controls";
 import { h, svg } from "../base/dom";
 import { degrees, percent } from "../base/format";
+import { boxAround, latticePoint, pathOf, type Polyline } from "../base/plane";
 import type { Cell, DeformedCell } from "./deformed_cell";
-import { blockOf, boxAround, latticePoint, pathOf, type Polyline, smoothed } from "./geometry";
+import { blockOf, smoothed } from "./geometry";
 import { centroid, restLines } from "./rest_lines";
 import type { WeaveSession } from "./session";
 import { isPeriodic, type Lattice, type Point } from "./state";

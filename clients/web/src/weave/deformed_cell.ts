@@ -1,9 +1,9 @@
 // The selected direction, and the deformed cell under strain along it.
 import { Observable } from "../base/observable";
+import type { Polyline } from "../base/plane";
 import { type Client, explain } from "../contract/client";
 import { JobRunner } from "../contract/runner";
 import type { WeaveHomogenization } from "../contract/types";
-import type { Polyline } from "./geometry";
 import { nearestDirection, TERMINATION_WORDS } from "./profile";
 import { cellRequest, hasStrands } from "./requests";
 import { profileKey, type WeaveSession } from "./session";

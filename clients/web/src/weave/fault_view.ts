@@ -1,8 +1,8 @@
 // A drawing of a sheet that cannot be printed, with the crossings and strands at fault in red.
 import { h, replace, svg } from "../base/dom";
+import { boxAround, pathOf } from "../base/plane";
 import type { WeaveLayout } from "../contract/types";
 import { crossingWords } from "./connections";
-import { boxAround, pathOf } from "./geometry";
 
 /** Radius of a mark, as a fraction of the larger side of the sheet. */
 const MARK_FRACTION = 0.022;

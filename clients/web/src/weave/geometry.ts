@@ -1,24 +1,6 @@
-// Points, polylines and lattices in the plane, with lengths in mm.
+// Distances, directions and curves in the plane of a weave, with lengths in mm.
+import { latticeCoordinates, latticePoint, type Polyline } from "../base/plane";
 import type { Lattice, Point } from "./state";
-
-export interface Box {
-  readonly x: number;
-  readonly y: number;
-  readonly width: number;
-  readonly height: number;
-}
-
-export type Polyline = readonly (readonly number[])[];
-
-export function latticePoint([a, b]: Lattice, i: number, k: number): Point {
-  return [i * a[0] + k * b[0], i * a[1] + k * b[1]];
-}
-
-/** Coordinates of a vector in the basis of the two translations. */
-export function latticeCoordinates([a, b]: Lattice, [x, y]: readonly number[]): Point {
-  const area = a[0] * b[1] - a[1] * b[0];
-  return [(x * b[1] - y * b[0]) / area, (a[0] * y - a[1] * x) / area];
-}
 
 /** Distance of two points of a periodic plane. Without a lattice it is the Euclidean distance. */
 export function periodicDistance(lattice: Lattice | null, p: readonly number[], q: readonly number[]): number {
@@ -53,11 +35,6 @@ export function undirected(angle: number): number {
 export function angleBetween(a: number, b: number): number {
   const difference = Math.abs(undirected(a) - undirected(b));
   return Math.min(difference, Math.PI - difference);
-}
-
-/** A polyline as the data of an SVG path. */
-export function pathOf(polyline: Polyline): string {
-  return polyline.map(([x, y], k) => `${k === 0 ? "M" : "L"}${round(x)} ${round(y)}`).join("");
 }
 
 /** Points of a smooth curve on each segment of a polyline. */
@@ -97,25 +74,9 @@ function hermite(p: readonly number[], q: readonly number[], atP: readonly numbe
   return p.map((value, axis) => (1 + 2 * t) * s * s * value + t * s * s * length * atP[axis] + t * t * (3 - 2 * t) * q[axis] - t * t * s * length * atQ[axis]);
 }
 
-export function boxAround(points: Iterable<readonly number[]>, margin = 0): Box {
-  let [left, bottom, right, top] = [Infinity, Infinity, -Infinity, -Infinity];
-  for (const [x, y] of points) {
-    left = Math.min(left, x);
-    right = Math.max(right, x);
-    bottom = Math.min(bottom, y);
-    top = Math.max(top, y);
-  }
-  if (left > right) return { x: -1, y: -1, width: 2, height: 2 };
-  return { x: left - margin, y: bottom - margin, width: right - left + 2 * margin, height: top - bottom + 2 * margin };
-}
-
 /** Lattice indices of the cells in a block of `count` by `count` cells around cell (0, 0). */
 export function blockOf(count: number): Point[] {
   const first = -Math.floor((count - 1) / 2);
   const shifts = Array.from({ length: count }, (_, k) => first + k);
   return shifts.flatMap((k) => shifts.map((i): Point => [i, k]));
-}
-
-function round(value: number): number {
-  return Math.round(1e4 * value) / 1e4;
 }

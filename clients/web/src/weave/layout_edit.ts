@@ -1,5 +1,5 @@
 // Changes of a layout of strands. Layouts are immutable: each change makes a new one.
-import { latticeCoordinates, latticePoint } from "./geometry";
+import { latticeCoordinates, latticePoint } from "../base/plane";
 import type { FreeLayout, Lattice, Point, Strand } from "./state";
 
 /** The ends of a drawn strand: open, closed to a loop, or periodic along the first (`along_a`) or the second translation (`along_b`). */

@@ -1,7 +1,7 @@
 // Strands at rest in the form of the server's deformed strands, so that both can be drawn over each other: periodic strands and loops
 // begin at the position of their first crossing.
+import type { Polyline } from "../base/plane";
 import type { WeaveLayout } from "../contract/types";
-import type { Polyline } from "./geometry";
 
 /** Largest distance in mm of a crossing from the end of an open strand at which it counts as that end. */
 const END_TOLERANCE = 1e-6;

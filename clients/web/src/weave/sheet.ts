@@ -1,7 +1,8 @@
 // A finite sheet of the weave: strands, crossings connected as in the cell, supports and load.
+import { boxAround, latticeCoordinates, latticePoint } from "../base/plane";
 import type { CrossingOverride, Weave, WeaveLayout, WeaveSimulation, WeaveSimulationRequest, WeaveStrands } from "../contract/types";
 import { slidingMembers } from "./connections";
-import { angleBetween, boxAround, directionAt, latticeCoordinates, latticePoint, periodicDistance } from "./geometry";
+import { angleBetween, directionAt, periodicDistance } from "./geometry";
 import { weaveOf, weaveSettings } from "./requests";
 import { type FreeLayout, isPeriodic, type Lattice, type LoadKind, type Point, type SheetState, type Strand, type WeaveState } from "./state";
 
