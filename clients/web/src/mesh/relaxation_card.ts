@@ -61,7 +61,11 @@ export function relaxationCard(network: NetworkSession, view: NetworkView): HTML
     const relaxing = network.relaxing.get();
     if (!relaxing) return;
     const frame = view.frame.get();
-    plot.update({ steps: relaxing.steps.map(({ iteration, gradient }) => ({ count: iteration, value: gradient })), tolerance: relaxing.gradientTolerance, current: frame?.iteration ?? relaxing.steps.at(-1)?.iteration ?? null });
+    plot.update({
+      steps: relaxing.steps.map(({ iteration, gradient }) => ({ count: iteration, value: gradient })),
+      tolerance: relaxing.gradientTolerance,
+      current: frame?.iteration ?? relaxing.steps.at(-1)?.iteration ?? null,
+    });
     replace(facts, ...factsOf(relaxing, frame?.iteration ?? null, view.stretches.get()).flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
   }
 
