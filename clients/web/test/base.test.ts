@@ -20,7 +20,7 @@ describe("numbers", () => {
     expect(digits(NaN)).toBe("–");
     expect(fixed(-0.0001, 2)).toBe("0.00");
     expect(percent(0.0123)).toBe("1.2 %");
-    expect(seconds(0.0321)).toBe("32 ms");
+    expect([0.0321, 12.34, 125, 12_345].map(seconds)).toEqual(["32 ms", "12 s", "2 min 5 s", "3 h 25 min"]);
     expect(plain(0.1 + 0.2)).toBe("0.3");
   });
 });

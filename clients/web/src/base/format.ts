@@ -55,7 +55,9 @@ export function degrees(angle: number): string {
 
 export function seconds(value: number): string {
   if (value < 1) return `${Math.max(1, Math.round(1000 * value))} ms`;
-  return value < 60 ? `${digits(value, 2)} s` : `${Math.floor(value / 60)} min ${Math.round(value % 60)} s`;
+  if (value < 60) return `${digits(value, 2)} s`;
+  const minutes = Math.floor(value / 60);
+  return minutes < 120 ? `${minutes} min ${Math.round(value % 60)} s` : `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
 }
 
 /** The shortest text with eight significant digits, for links and files. */

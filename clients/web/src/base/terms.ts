@@ -27,6 +27,14 @@ export const TERMS = {
     name: "Family",
     definition: "All tilings of one kind, such as IH01, the hexagons: the numbers are those of the list of isohedral tilings. Parameters choose one of them.",
   },
+  isohedral: {
+    name: "Isohedral type",
+    definition: "One of 81 ways in which copies of one tile fill the plane so that symmetries carry each of them to each other one.",
+  },
+  atlas: {
+    name: "Atlas",
+    definition: "What a family can do at rest: the stiffness of tilings all over its bounds, and where there are crossings or narrow places.",
+  },
   homogenization: {
     name: "Homogenization",
     definition: "The stiffness of a pattern as if it were one sheet: one cell is computed that repeats without end, so that borders have no influence.",

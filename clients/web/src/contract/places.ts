@@ -38,6 +38,11 @@ const ENTRIES: Readonly<Record<string, readonly [noun: string, first: 0 | 1 | 2]
   repair: ["repair", 1],
   columns: ["column", 1],
   cells: ["number of cells", 1],
+  vertices: ["vertex", 1],
+  edges: ["edge", 1],
+  placements: ["copy of the tile", 1],
+  translations: ["translation", 1],
+  shapes: ["shape of edges", 1],
 };
 
 /** Words of fields whose names do not say it; the others are their names with spaces. */
@@ -81,6 +86,8 @@ const FIELDS: Readonly<Record<string, string>> = {
   sliding_share: "fraction that slides",
   circle_radius: "radius of the circles",
   known_path: "known path",
+  isohedral_type: "isohedral type",
+  core_seconds: "core time",
   verified_samples: "number of simulated samples",
   out_of_plane: "motion out of the plane",
   spring_length: "length of springs",
@@ -96,7 +103,8 @@ const FIELDS: Readonly<Record<string, string>> = {
 const PATHS: Readonly<Record<string, string>> = { "units/x": "the unit of strain", "units/y": "the unit of stress" };
 
 /** Parts of a request that only contain others: they are not named where something within them is. */
-const CONTAINERS: ReadonlySet<string> = new Set(["weave", "target", "structure", "accuracy", "effects", "printer", "options", "text", "load", "uniaxial", "host", "layout"]);
+const CONTAINERS: ReadonlySet<string> = new Set(["weave", "target", "structure", "accuracy", "effects", "printer", "options", "text", "load", "uniaxial", "host", "layout",
+  "definition", "tile", "budget"]);
 
 const ORDINALS = ["first", "second", "third", "fourth", "fifth", "sixth"];
 
