@@ -9,6 +9,10 @@ export const ENDPOINT_WORDS: Readonly<Record<string, string>> = {
   "/v1/profiles": "Profile of a design",
   "/v1/simulations": "Simulation of the structure",
   "/v1/parts": "Part to make",
+  "/v1/family-checks": "Check of the family",
+  "/v1/family-atlases": "Atlas",
+  "/v1/training-plans": "Estimate of a training",
+  "/v1/trainings": "Training of a network",
   "/v1/weave-layouts": "Layout of the weave",
   "/v1/weave-homogenizations": "Stiffness of the cell",
   "/v1/weave-simulations": "Sheet under load",
@@ -36,11 +40,19 @@ interface Request {
   readonly effects?: { readonly polish?: string; readonly ways_out?: string };
   readonly springs?: readonly { readonly weight?: number }[];
   readonly triangles?: readonly unknown[];
+  readonly definition?: { readonly id?: string };
 }
+
+/** Work on a family, whose name is told with it. */
+const FAMILY_WORK: ReadonlySet<string> = new Set(["/v1/family-atlases", "/v1/training-plans", "/v1/trainings"]);
 
 /** What a request computes, as in "Verification: stress over strain of IH29". */
 export function workWords(path: string, document: unknown): string {
   const request = (document ?? {}) as Request;
+  if (FAMILY_WORK.has(path)) {
+    const name = request.family ?? request.definition?.id;
+    return name === undefined ? endpointWords(path) : `${endpointWords(path)}: ${name}`;
+  }
   if (path !== "/v1/designs") return endpointWords(path);
   if (request.regions) return `Designs of ${request.regions.length} regions`;
   const { effects = {}, verify, task, family } = request;
@@ -55,6 +67,10 @@ export function workWords(path: string, document: unknown): string {
 /** The best that a running job has found so far. `before`: the words about its earlier results. */
 export function bestWords({ partial }: Pick<Job, "partial">, before: string): string {
   if (!partial) return before;
+  if ("errors" in partial) {
+    const last = partial.errors.at(-1);
+    return last ? `Best so far: a mean error of ${percent(last.error)}, with ${last.designs.toLocaleString("en")} designs` : before;
+  }
   if ("round" in partial) {
     const { accepted, target_error: error } = partial.round;
     return accepted && error !== null ? `Best so far: ${percent(error)} from the target, simulated` : before;
