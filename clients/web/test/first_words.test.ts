@@ -19,7 +19,8 @@ describe("words for a first visit", () => {
     }
   });
 
-  it("fall back to the number for a family that has none", () => {
+  it("fall back to what a definition says for a family that has none, or to the number", () => {
+    expect(parameterWords("IH99", 2, "Slant of the sides")).toEqual({ name: "Slant of the sides", help: "" });
     expect(parameterWords("IH99", 2)).toEqual({ name: "Parameter 3", help: "" });
   });
 

@@ -1,6 +1,6 @@
 // The state with which the page opens without a link.
 import type { Client } from "../contract/client";
-import type { Model } from "../contract/types";
+import type { Model, Profile } from "../contract/types";
 import type { Catalogue } from "./catalogue";
 import { profileOf } from "./properties";
 import { DEFAULT_STATE, type DesignState, type TilingDesign } from "./state";
@@ -19,8 +19,19 @@ export async function firstState(client: Client, catalogue: Catalogue): Promise<
   const models = firstModels(catalogue.familyModels);
   const profiles = await Promise.all(models.map((model) => profileOf(client, designAt(model, TARGET_FRACTION), DEFAULT_STATE, DEFAULT_STATE.made)));
   const index = indexOfMostReliable(profiles);
-  const found = designAt(models[index], START_FRACTION);
-  return { ...DEFAULT_STATE, ...targetOnCurve(profiles[index], DEFAULT_STATE), found, fixed: found.parameters.map(() => false) };
+  return beginning(profiles[index], models[index]);
+}
+
+/** The same for the family of one model; null if the server does not answer with a profile. */
+export async function stateOfModel(client: Client, model: Model): Promise<DesignState | null> {
+  const profile = await profileOf(client, designAt(model, TARGET_FRACTION), DEFAULT_STATE, DEFAULT_STATE.made);
+  return profile && beginning(profile, model);
+}
+
+/** A state whose target is a profile, and whose search starts from another design of the model. */
+function beginning(profile: Profile | null, model: Model): DesignState {
+  const found = designAt(model, START_FRACTION);
+  return { ...DEFAULT_STATE, ...targetOnCurve(profile, DEFAULT_STATE), found, fixed: found.parameters.map(() => false) };
 }
 
 function designAt({ family, parameters: { lower, upper } }: Model, fraction: number): TilingDesign {

@@ -99,7 +99,7 @@ export function designPage({ client, link }: PageContext): Page {
       background.setOpen(true);
       if (!started) return start(text);
       const linked = address.follow(text);
-      if (linked) session.apply(linked);
+      if (linked) await session.follow(linked);
     },
     close() {
       document.removeEventListener("keydown", keys);

@@ -19,6 +19,8 @@ export function parameterPanel(session: DesignSession): HTMLElement {
   let rows: Row[] = [];
   let family = "";
 
+  const wordsOf = (index: number) => parameterWords(family, index, session.catalogue.family(family)?.definition?.parameters[index]?.description);
+
   function build(state: DesignState): void {
     const model = state.found && session.catalogue.model(state.found.family);
     family = state.found?.family ?? "";
@@ -27,8 +29,8 @@ export function parameterPanel(session: DesignSession): HTMLElement {
     const { lower, upper } = model.parameters;
     rows = lower.map((min, k) => ({
       slider: new Slider({
-        label: parameterWords(family, k).name,
-        title: parameterWords(family, k).help,
+        label: wordsOf(k).name,
+        title: wordsOf(k).help,
         lower: min,
         upper: upper[k],
         digits: 4,
@@ -60,7 +62,7 @@ export function parameterPanel(session: DesignSession): HTMLElement {
       const isFixed = Boolean(state.fixed[k]);
       row.slider.value = state.found?.parameters[k] ?? 0;
       writeAttribute(row.lock, "aria-pressed", String(isFixed));
-      writeAttribute(row.lock, "aria-label", `Keep “${parameterWords(family, k).name}” in searches`);
+      writeAttribute(row.lock, "aria-label", `Keep “${wordsOf(k).name}” in searches`);
       writeAttribute(row.lock, "title", isFixed ? "Kept in searches" : "Searched for");
       replaceChanged(row.lock, icon(isFixed ? "lock" : "unlock"));
     });

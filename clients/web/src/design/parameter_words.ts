@@ -41,9 +41,9 @@ const WORDS: Readonly<Record<string, readonly ParameterWords[]>> = {
   ],
 };
 
-/** The words of a parameter, counted from 0; those of a family without words say its number. */
-export function parameterWords(family: string, index: number): ParameterWords {
-  return WORDS[family]?.[index] ?? { name: `Parameter ${index + 1}`, help: "" };
+/** The words of a parameter, counted from 0. A family of one's own has those of its definition, or else numbers. */
+export function parameterWords(family: string, index: number, description = ""): ParameterWords {
+  return WORDS[family]?.[index] ?? { name: description === "" ? `Parameter ${index + 1}` : description, help: "" };
 }
 
 /** The families whose parameters have words, with their number. */

@@ -43,6 +43,12 @@ export class DesignSession {
     void this.search.showStart(state);
   }
 
+  /** Shows the state of a link that is followed. Its family may have got its model since the families were asked for. */
+  async follow(linked: DesignState): Promise<void> {
+    if (!this.catalogue.serves(linked)) await this.catalogue.load(this.client).catch(() => {}); // the request for the state meets the same fault and reports it
+    this.apply(linked);
+  }
+
   private async firstState(): Promise<DesignState> {
     const state = await firstState(this.client, this.catalogue);
     return { ...state, accuracy: { ...state.accuracy, level: rememberedLevel("design") } };
