@@ -10,6 +10,7 @@ export interface PageEntry {
 
 export const PAGES: readonly PageEntry[] = [
   { id: "design", title: "Design", load: async () => (await import("./design/page")).designPage },
+  { id: "family", title: "Family", load: async () => (await import("./family/page")).familyPage },
   { id: "weave", title: "Weave", load: async () => (await import("./weave/page")).weavePage },
   { id: "mesh", title: "Mesh", load: async () => (await import("./mesh/page")).meshPage },
 ];
