@@ -4,6 +4,7 @@ import { readFile } from "node:fs/promises";
 import { createRequire } from "node:module";
 import { describe, it } from "node:test";
 import { DesignPage } from "./design_page.mjs";
+import { FamilyPage, GAPS, linkTo, SLANTED } from "./family_page.mjs";
 import { announcements, browser, closePage, openPage, picture, server, setUp, until } from "./harness.mjs";
 import { answerWays, MISSED, WAY } from "./missed_target.mjs";
 import { WeavePage } from "./weave_page.mjs";
@@ -72,6 +73,18 @@ describe("the rules of accessibility", () => {
     await closePage(design.page);
   });
 
+  it("are kept by the family page in light and dark colours", async () => {
+    const { page } = await unfoldedFamily(STILL);
+    assert.deepEqual(await violationsInBothColours(page, "family-open"), []);
+    await page.locator(".type-menu summary").click();
+    await page.getByRole("button", { name: "IH93, no parameters" }).waitFor();
+    assert.deepEqual(await violationsInBothColours(page), []);
+    await closePage(page);
+    const faulty = await FamilyPage.open(browser, server.url, linkTo(GAPS), STILL);
+    assert.deepEqual(await violationsInBothColours(faulty.page, "family-faulty"), []);
+    await closePage(faulty.page);
+  });
+
   it("are kept by the weave page in light and dark colours", async () => {
     const { page, ...weave } = await WeavePage.open(browser, server.url, "", STILL);
     await page.getByLabel("Pattern").selectOption("layout");
@@ -118,6 +131,23 @@ describe("the rules of accessibility", () => {
     await closePage(page);
   });
 });
+
+/** Opens a family of the server with its atlas and unfolded settings. */
+async function unfoldedFamily(options) {
+  const family = await FamilyPage.open(browser, server.url, "", options);
+  const { page } = family;
+  await page.locator(".type-menu summary").click();
+  await page.getByRole("list", { name: "Families of this server" }).getByRole("button", { name: /^IH21:/ }).click();
+  await family.checked();
+  await page.getByLabel(/^Words and bounds of/).first().click();
+  await page.getByLabel("Edges b", { exact: true }).selectOption("bent");
+  await family.handle("Point 1 of the edges b").focus();
+  await family.button("Undo (Ctrl+Z)").click();
+  await family.button("Make the atlas").click();
+  await page.locator(".reach-row").first().waitFor();
+  await page.getByText("Values of the atlas as tables").click();
+  return family;
+}
 
 async function severalMaterials({ page }) {
   await page.locator("details.made").getByLabel("Material", { exact: true }).selectOption("Several: the search chooses");
@@ -188,6 +218,16 @@ describe("on a small screen, where nothing is wider than it, the rules are kept"
     await closePage(design.page);
   });
 
+  it("by the family page", async () => {
+    const { page } = await unfoldedFamily(SMALL);
+    assert.deepEqual(await violations(page), []);
+    await isAsWideAsTheScreen(page);
+    await picture(page, "family-small");
+    await page.locator(".atlas").scrollIntoViewIfNeeded();
+    await picture(page, "family-atlas-small");
+    await closePage(page);
+  });
+
   it("by the weave page", async () => {
     const { page } = await WeavePage.open(browser, server.url, "", SMALL);
     assert.deepEqual(await violations(page), []);
@@ -226,6 +266,27 @@ describe("on a small screen, where nothing is wider than it, the rules are kept"
     assert.deepEqual(await violations(page), []);
     await isAsWideAsTheScreen(page);
     await picture(page, "voronoi-small");
+    await closePage(page);
+  });
+});
+
+describe("the family page by the keyboard", () => {
+  it("has each vertex, edge, parameter and card within reach, and keeps the focus on what was pressed", async () => {
+    const family = await FamilyPage.open(browser, server.url, linkTo(SLANTED), STILL);
+    const { page } = family;
+    await page.locator("#main").focus();
+    const walked = [];
+    for (let k = 0; k < 60; ++k) {
+      await page.keyboard.press("Tab");
+      walked.push(await page.evaluate(() => document.activeElement.ariaLabel ?? document.activeElement.labels?.[0]?.textContent ?? document.activeElement.textContent));
+    }
+    for (const name of ["Slant", "Vertex 1", "Vertex 4", "Make it a parameter", "The parameters", "Make the atlas", "Name", "Add to the server", "Core time"]) {
+      assert.ok(walked.includes(name), `${name} in ${walked.join(", ")}`);
+    }
+    await family.button("Make it a parameter").focus();
+    await page.keyboard.press("Enter");
+    await family.number("Width of the beams").waitFor();
+    assert.notEqual(await page.evaluate(() => document.activeElement.tagName), "BODY");
     await closePage(page);
   });
 });

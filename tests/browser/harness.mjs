@@ -1,7 +1,7 @@
 // The test harness: a real server with the built editor, and a real browser. Unexpected messages of a page are failures.
 import assert from "node:assert/strict";
 import { execFileSync, spawn } from "node:child_process";
-import { mkdir, mkdtemp, rm, copyFile } from "node:fs/promises";
+import { copyFile, cp, mkdir, mkdtemp, rm } from "node:fs/promises";
 import { existsSync } from "node:fs";
 import { createServer } from "node:net";
 import { tmpdir } from "node:os";
@@ -16,6 +16,7 @@ const SERVER = path.join(BUILD, "server/supple-server");
 const EDITOR = process.env.SUPPLE_EDITOR ?? path.join(ROOT, "clients/web/dist");
 /** Models of two families, which offer a choice and still allow quick searches over all families. */
 const MODELS = ["ih29.h5", "ih67.h5"];
+const ATLASES = "models/families/atlas";
 const START_MS = 60_000;
 /** Folder for pictures of the pages; without it none are taken. */
 const SCREENS = process.env.SUPPLE_SCREENS;
@@ -38,6 +39,8 @@ export class Server {
     server.folder = await mkdtemp(path.join(tmpdir(), "supple-browser-"));
     await mkdir(path.join(server.folder, "models"));
     for (const model of models) await copyFile(path.join(ROOT, "models", model), path.join(server.folder, "models", model));
+    // The atlases of the families come with the models.
+    await cp(path.join(ROOT, ATLASES), path.join(server.folder, ATLASES), { recursive: true });
     const data = path.join(server.folder, "data");
     if (keys) server.key = execFileSync(SERVER, ["keys", "add", "--data", data, "--name", "a person", "--scopes", "read,compute"], { encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] }).trim();
     server.port = await freePort();

@@ -1,15 +1,15 @@
 // Takes pictures of every page for the documents: wide, wide and dark, and on a phone.
 //
-//     node pictures.mjs http://127.0.0.1:8080 ../../docs/images/pages
+//     node pictures.mjs http://127.0.0.1:8080 ../../docs/images/pages [name ...]
 //
-// uses a running server with all models and the built editor.
+// uses a running server with all models and the built editor. Names choose some of the pictures.
 import { mkdir } from "node:fs/promises";
 import path from "node:path";
 import { chromium } from "playwright-core";
 
-const [url, folder] = process.argv.slice(2);
+const [url, folder, ...names] = process.argv.slice(2);
 if (!url || !folder) {
-  console.error("usage: node pictures.mjs URL FOLDER");
+  console.error("usage: node pictures.mjs URL FOLDER [NAME ...]");
   process.exit(1);
 }
 const KINDS = [
@@ -39,6 +39,11 @@ const PAGES = [
     await page.locator(".plot.polar").waitFor();
     await isFound(page);
   }],
+  ["family", "family", async (page) => {
+    await page.getByLabel("Edges c", { exact: true }).selectOption("curve");
+    await page.getByLabel("Edges b", { exact: true }).selectOption("bent");
+    await page.locator('.check-summary:not([data-grade="unknown"])').waitFor();
+  }],
   ["weave", "weave", isWoven],
   ["print", "weave?pattern=interlacing_circles&type=2&circle_radius=5.5&distance=10&radius=0.25&strain=0.1&sheet=4,4,stretch_x,0.2", async (page) => {
     await isWoven(page);
@@ -59,7 +64,7 @@ const browser = await chromium.launch({
   args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
 });
 for (const [kind, options] of KINDS) {
-  for (const [name, address, ready] of PAGES) {
+  for (const [name, address, ready] of PAGES.filter(([name]) => names.length === 0 || names.includes(name))) {
     const context = await browser.newContext(options);
     const page = await context.newPage();
     page.setDefaultTimeout(120_000);
