@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "part_scene.h"
-#include "part_strain.h"
 #include "path_limits.h"
 #include "supple/base/number_text.h"
+#include "supple/microscale/part_strain.h"
 #include "supple/microscale/simulation_error.h"
 #include "support_states.h"
 
@@ -107,6 +107,18 @@ PartState state_of(const PartScene& scene, const Path& path, const PartSupports&
   return state;
 }
 
+/// Bills the effects that neither a term nor the path has billed, with the reason why they did not run.
+void bill_effects_that_did_not_run(const PartSimulationOptions& options, CostLedger* cost) {
+  if (!cost) return;
+  const auto bill = [cost](std::string_view name, Switch wanted, std::string_view why) {
+    const auto& effects = cost->effects();
+    if (std::ranges::any_of(effects, [name](const CostLedger::Effect& e) { return e.name == name && e.ran; })) return;
+    cost->add_effect(name, false, wanted == Switch::off ? "switched off by the request" : why);
+  };
+  bill("contact", options.contact, "no pair of boundary points came within the barrier's range");
+  bill("buckling", options.buckling, "the stiffness stayed positive definite");
+}
+
 }  // namespace
 
 std::string_view to_string(Side side) {
@@ -164,6 +176,7 @@ PartSimulationResult simulate_part(const tiling::PeriodicMesh& mesh, const std::
     const PartStop stopped = stop_of(path, scene);
     add(stopped);
     result.message = message_of(stopped, scene.fraction());
+    bill_effects_that_did_not_run(options, execution.cost);
   };
   if (!path.find_equilibrium()) {
     end_early();
@@ -180,6 +193,7 @@ PartSimulationResult simulate_part(const tiling::PeriodicMesh& mesh, const std::
     }
     add(PartStop::converged);
   }
+  bill_effects_that_did_not_run(options, execution.cost);
   execution.checkpoint(1, "part simulation");
   return result;
 }

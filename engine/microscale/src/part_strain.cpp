@@ -1,4 +1,4 @@
-#include "part_strain.h"
+#include "supple/microscale/part_strain.h"
 
 #include <Eigen/LU>
 #include <algorithm>

@@ -1,11 +1,14 @@
 #include "supple/microscale/vtu.h"
 
 #include <Eigen/LU>
+#include <array>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "material_law.h"
 #include "supple/base/file_text.h"
+#include "supple/microscale/part_strain.h"
 
 namespace supple::microscale {
 namespace {
@@ -45,17 +48,51 @@ double mean_energy_density(const MaterialLaw& law, const Eigen::Matrix<double, 2
   return sum;
 }
 
-void write_cells(FileText& out, const UnwrappedMesh& mesh) {
+/// Quadratic triangles whose points have moved.
+struct MovedGrid {
+  const std::vector<std::array<int, 6>>& triangles;
+  const Eigen::Matrix2Xd& rest;  ///< positions of the points, mm
+  const Eigen::Matrix2Xd& moved;
+};
+
+void write_cells(FileText& out, const std::vector<std::array<int, 6>>& triangles) {
   out << "<Cells>\n";
   out.open_array("Int32", "connectivity");
-  for (const auto& triangle : mesh.triangles) {
+  for (const auto& triangle : triangles) {
     for (const int point : triangle) out.number(point);
   }
   out.close_array().open_array("Int32", "offsets");
-  for (std::size_t t = 1; t <= mesh.triangles.size(); ++t) out.number(6 * t);
+  for (std::size_t t = 1; t <= triangles.size(); ++t) out.number(6 * t);
   out.close_array().open_array("UInt8", "types");
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) out.number(vtk_quadratic_triangle);
+  for (std::size_t t = 0; t < triangles.size(); ++t) out.number(vtk_quadratic_triangle);
   out.close_array() << "</Cells>\n";
+}
+
+/// `strains` has one entry for each triangle, or is empty if the file has none.
+std::string write_grid(const MovedGrid& grid, const Material& material, const std::vector<double>& strains) {
+  const MaterialLaw law(material);
+  FileText out;
+  out << "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n";
+  out << "<UnstructuredGrid>\n<Piece NumberOfPoints=\"" << std::to_string(grid.rest.cols()) << "\" NumberOfCells=\""
+      << std::to_string(grid.triangles.size()) << "\">\n";
+  out << "<PointData Vectors=\"displacement\">\n";
+  out.open_array("Float64", "displacement", 3);
+  for (Eigen::Index i = 0; i < grid.rest.cols(); ++i)
+    out.point(Eigen::Vector2d(grid.moved.col(i) - grid.rest.col(i)));
+  out.close_array() << "</PointData>\n<CellData Scalars=\"energy_density\">\n";
+  out.open_array("Float64", "energy_density");
+  for (const auto& triangle : grid.triangles) {
+    out.number(mean_energy_density(law, grid.rest(Eigen::all, triangle), grid.moved(Eigen::all, triangle)));
+  }
+  out.close_array();
+  if (!strains.empty()) out.array("Float64", "largest_strain", strains, [](double strain) { return strain; });
+  out << "</CellData>\n<Points>\n";
+  out.open_array("Float64", "Points", 3);
+  for (Eigen::Index i = 0; i < grid.rest.cols(); ++i) out.point(grid.rest.col(i));
+  out.close_array() << "</Points>\n";
+  write_cells(out, grid.triangles);
+  out << "</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
+  return out.take();
 }
 
 }  // namespace
@@ -63,26 +100,13 @@ void write_cells(FileText& out, const UnwrappedMesh& mesh) {
 std::string write_vtu(const UnwrappedMesh& unwrapped, const DeformedMesh& deformed, const Material& material) {
   const Eigen::Matrix2Xd rest = positions(unwrapped, deformed.mesh->lattice, deformed.mesh->nodes);
   const Eigen::Matrix2Xd moved = positions(unwrapped, deformed.lattice, deformed.nodes);
-  const MaterialLaw law(material);
-  FileText out;
-  out << "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n";
-  out << "<UnstructuredGrid>\n<Piece NumberOfPoints=\"" << std::to_string(rest.cols()) << "\" NumberOfCells=\""
-      << std::to_string(unwrapped.triangles.size()) << "\">\n";
-  out << "<PointData Vectors=\"displacement\">\n";
-  out.open_array("Float64", "displacement", 3);
-  for (Eigen::Index i = 0; i < rest.cols(); ++i) out.point(Eigen::Vector2d(moved.col(i) - rest.col(i)));
-  out.close_array() << "</PointData>\n<CellData Scalars=\"energy_density\">\n";
-  out.open_array("Float64", "energy_density");
-  for (const auto& triangle : unwrapped.triangles) {
-    out.number(mean_energy_density(law, rest(Eigen::all, triangle), moved(Eigen::all, triangle)));
-  }
-  out.close_array() << "</CellData>\n<Points>\n";
-  out.open_array("Float64", "Points", 3);
-  for (Eigen::Index i = 0; i < rest.cols(); ++i) out.point(rest.col(i));
-  out.close_array() << "</Points>\n";
-  write_cells(out, unwrapped);
-  out << "</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
-  return out.take();
+  return write_grid({unwrapped.triangles, rest, moved}, material, {});
+}
+
+std::string write_part_vtu(const tiling::PeriodicMesh& mesh, const Eigen::Matrix2Xd& displacements,
+                           const Material& material) {
+  const Eigen::Matrix2Xd moved = mesh.nodes + displacements;
+  return write_grid({mesh.triangles, mesh.nodes, moved}, material, triangle_strains(mesh, displacements));
 }
 
 }  // namespace supple::microscale
