@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "answer_parts.h"
+#include "part_fields.h"
 #include "request_parts.h"
 
 namespace supple::json {
@@ -115,7 +116,7 @@ void read_load(Fields& fields, PartRequest& request) {
   if (!request.solid_names.empty()) request.axis = tiling::load_axis;
   if (fields.present("axis")) {
     if (!request.solid_names.empty())
-      fields.faults().add("/axis", "is for other outlines: a coupon or a block is loaded along y");
+      fields.faults().add(fields.at("axis"), "is for other outlines: a coupon or a block is loaded along y");
     fields.number("axis", request.axis.emplace(0), -1000, 1000);
   }
   read_direction(fields, request.axis.has_value(), request.filling.direction);
@@ -141,31 +142,49 @@ PartRegionSpec read_region(Fields& fields, const PartRequest& request, const Lim
 
 }  // namespace
 
+void read_part(Fields& fields, const Limits& limits, PartRequest& request) {
+  auto shape = read_shape(fields, request.solid_names, request.design.outline_of_regions);
+  request.design.outline = std::move(shape.outline);
+  request.design.solids = std::move(shape.solids);
+  request.filling = read_filling(fields, limits);
+  read_load(fields, request);
+  // Where the regions are the part, nothing has the structure of the rest.
+  double finest = request.design.outline_of_regions ? max_beam_width : request.filling.beam_width;
+  if (const auto* regions = fields.array("regions", false, 0, max_part_regions, "")) {
+    for (std::size_t i = 0; i < regions->size(); ++i) {
+      Fields region((*regions)[i], fields.at("regions") + "/" + std::to_string(i), fields.faults());
+      request.regions.push_back(read_region(region, request, limits));
+      region.finish();
+      finest = std::min(finest, request.regions.back().filling.beam_width);
+    }
+  }
+  if (request.design.outline_of_regions && request.regions.empty())
+    fields.faults().add(fields.at("outline") + "/regions", "needs at least one region in \"regions\"");
+  request.design.frame = length(fields, "frame", 0, true);
+  request.design.seam = length(fields, "seam", request.regions.empty() ? 0 : finest, true);
+  fields.choice("rim", request.design.rim, rim_names);
+  request.design.smallest_wall = 2 * finest / 3;
+  fields.number("smallest_wall", request.design.smallest_wall, 0, max_beam_width);
+  fields.number("thickness", request.design.thickness, 1e-3, max_part_thickness);
+}
+
+void write_solid(JsonWriter& out, const tiling::Part& part) {
+  const Eigen::Vector2d size = part.upper - part.lower;
+  out.key("size").numbers(Eigen::Vector3d(size.x(), size.y(), part.thickness));
+  out.key("lower").numbers(part.lower).key("upper").numbers(part.upper);
+  out.field("outline_area", part.outline_area).field("solid_area", part.solid_area);
+  out.field("relative_density", part.solid_area / part.outline_area);
+}
+
+void write_missing_solids(JsonWriter& out, const PartRequest& request, const tiling::Part& part) {
+  out.key("missing_solids").begin_array();
+  for (const std::size_t solid : part.lost_solids) out.string(request.solid_names.at(solid));
+  out.end_array();
+}
+
 PartRequest parse_part(std::string_view body, const Limits& limits, const CancellationToken& cancellation) {
   return read_request<PartRequest>(body, limits, cancellation, [&](Fields& fields, PartRequest& request) {
-    auto shape = read_shape(fields, request.solid_names, request.design.outline_of_regions);
-    request.design.outline = std::move(shape.outline);
-    request.design.solids = std::move(shape.solids);
-    request.filling = read_filling(fields, limits);
-    read_load(fields, request);
-    // Where the regions are the part, nothing has the structure of the rest.
-    double finest = request.design.outline_of_regions ? max_beam_width : request.filling.beam_width;
-    if (const auto* regions = fields.array("regions", false, 0, max_part_regions, "")) {
-      for (std::size_t i = 0; i < regions->size(); ++i) {
-        Fields region((*regions)[i], fields.at("regions") + "/" + std::to_string(i), fields.faults());
-        request.regions.push_back(read_region(region, request, limits));
-        region.finish();
-        finest = std::min(finest, request.regions.back().filling.beam_width);
-      }
-    }
-    if (request.design.outline_of_regions && request.regions.empty())
-      fields.faults().add("/outline/regions", "needs at least one region in \"regions\"");
-    request.design.frame = length(fields, "frame", 0, true);
-    request.design.seam = length(fields, "seam", request.regions.empty() ? 0 : finest, true);
-    fields.choice("rim", request.design.rim, rim_names);
-    request.design.smallest_wall = 2 * finest / 3;
-    fields.number("smallest_wall", request.design.smallest_wall, 0, max_beam_width);
-    fields.number("thickness", request.design.thickness, 1e-3, max_part_thickness);
+    read_part(fields, limits, request);
     nested(fields, "material",
            [&](Fields& material) { material.number("density", request.material_density, 0, 25, true); });
     fields.boolean("svg", request.svg);
@@ -206,13 +225,10 @@ std::string part_message(const PartRequest& request, const tiling::Part& part) {
 }
 
 std::string write_part(const PartRequest& request, const tiling::Part& part, const std::string* svg, const Bill& bill) {
-  const Eigen::Vector2d size = part.upper - part.lower;
   const double volume = part.solid_area * part.thickness;
   JsonWriter out;
-  out.begin_object().key("size").numbers(Eigen::Vector3d(size.x(), size.y(), part.thickness));
-  out.key("lower").numbers(part.lower).key("upper").numbers(part.upper);
-  out.field("outline_area", part.outline_area).field("solid_area", part.solid_area);
-  out.field("relative_density", part.solid_area / part.outline_area);
+  out.begin_object();
+  write_solid(out, part);
   out.field("volume", volume).field("mass", volume * request.material_density / 1000);
   out.field("holes", part.faces.at(0).size() - 1);
   out.field("orientation", request.orientation_in_part(request.filling));
@@ -232,9 +248,8 @@ std::string write_part(const PartRequest& request, const tiling::Part& part, con
     out.null();
   out.field("widened_necks", part.widened_necks).field("cut_necks", part.cut_necks);
   out.field("trimmed_area", part.trimmed_area).field("crumbs", part.crumbs).field("crumb_area", part.crumb_area);
-  out.key("missing_solids").begin_array();
-  for (const std::size_t solid : part.lost_solids) out.string(request.solid_names.at(solid));
-  out.end_array().end_object().field("message", part_message(request, part));
+  write_missing_solids(out, request, part);
+  out.end_object().field("message", part_message(request, part));
   if (svg) out.field("svg", *svg);
   write_bill(out, bill);
   out.end_object();

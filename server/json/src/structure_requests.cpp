@@ -4,6 +4,7 @@
 
 #include "family_fields.h"
 #include "request_parts.h"
+#include "simulation_fields.h"
 #include "supple/microscale/accurate_simulation.h"
 
 namespace supple::json {
@@ -24,8 +25,7 @@ bool is_family_character(char c) {
 }
 
 void read_mesh_options(Fields& fields, tiling::MeshOptions& mesh) {
-  fields.number("mesh_size", mesh.mesh_size, min_mesh_size, max_mesh_size);
-  fields.number("corner_size", mesh.corner_size, min_corner_size, 1);
+  read_mesh_sizes(fields, mesh);
   fields.choice("mesh_region", mesh.region, region_names);
 }
 
@@ -137,11 +137,7 @@ void choose_refinement(const ErrorRequest& asked, Faults& faults, SimulationRequ
 void read_options(Fields& fields, SimulationRequest& request) {
   microscale::SimulationOptions& options = request.options;
   ErrorRequest asked;
-  nested(fields, "material", [&](Fields& material) {
-    material.choice("law", options.material.law, law_names);
-    material.number("youngs_modulus", options.material.youngs_modulus, 1e-6, 1e6);
-    material.number("poisson_ratio", options.material.poisson_ratio, -0.99, 0.499);
-  });
+  read_material(fields, options.material);
   nested(fields, "accuracy", [&](Fields& accuracy) {
     asked.mesh_given = accuracy.present("mesh_size");
     if (asked.mesh_given) options.mesh = with_limit({}, options.mesh.max_nodes);
@@ -150,9 +146,7 @@ void read_options(Fields& fields, SimulationRequest& request) {
       asked.accepted.emplace();
       accuracy.number("discretization_error", *asked.accepted, min_accepted_error, max_accepted_error);
     }
-    accuracy.number("tolerance", options.tolerance, 1e-12, 1e-2);
-    accuracy.integer("max_iterations", options.max_iterations, 1, 10'000);
-    accuracy.number("max_load_step", options.max_load_step, 1e-5, 10);
+    read_path_accuracy(accuracy, options);
   });
   nested(fields, "effects", [&](Fields& effects) {
     effects.choice("contact", options.contact, switch_names);
@@ -165,6 +159,19 @@ void read_options(Fields& fields, SimulationRequest& request) {
 }
 
 }  // namespace
+
+void read_material(Fields& fields, microscale::Material& material) {
+  nested(fields, "material", [&](Fields& members) {
+    members.choice("law", material.law, law_names);
+    members.number("youngs_modulus", material.youngs_modulus, 1e-6, 1e6);
+    members.number("poisson_ratio", material.poisson_ratio, -0.99, 0.499);
+  });
+}
+
+void read_mesh_sizes(Fields& fields, tiling::MeshOptions& mesh) {
+  fields.number("mesh_size", mesh.mesh_size, min_mesh_size, max_mesh_size);
+  fields.number("corner_size", mesh.corner_size, min_corner_size, 1);
+}
 
 void read_family_id(Fields& fields, std::string_view name, std::string& out) {
   const auto* value = fields.required(name);

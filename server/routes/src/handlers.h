@@ -28,6 +28,7 @@ void add_training_routes(http::Router& router, Services& services);
 void add_simulation_route(http::Router& router, Services& services);
 void add_design_routes(http::Router& router, Services& services);
 void add_part_route(http::Router& router, Services& services);
+void add_part_simulation_route(http::Router& router, Services& services);
 void add_measured_curve_route(http::Router& router, Services& services);
 void add_outline_route(http::Router& router, Services& services);
 void add_model_routes(http::Router& router, Services& services);

@@ -48,6 +48,8 @@ class Loader {
   /// The models that the request's key sees.
   store::VisibleModels models() const { return {*services_.models, request_.key}; }
   metrics::Metrics& metrics() const { return *services_.metrics; }
+  /// The memory that requests may take; null: there is no limit.
+  const budget::MemoryBudget* memory() const { return services_.memory; }
   /// Stops the parsing of a body.
   CancellationToken cancellation() const { return execution_ ? execution_->cancellation : CancellationToken(); }
 

@@ -29,6 +29,7 @@ http::Router make_router(Services& services) {
   add_family_atlas_routes(router, services);
   add_training_routes(router, services);
   add_part_route(router, services);
+  add_part_simulation_route(router, services);
   add_weave_routes(router, services);
   add_weave_toolpath_routes(router, services);
   add_job_routes(router, services);

@@ -15,6 +15,7 @@ struct Limits {
   std::size_t max_states = 1000;         ///< states of a load path
   std::size_t max_strains = 100'000;     ///< strains of an evaluation of a model
   int max_mesh_nodes = 100'000;          ///< mesh nodes of one cell of a structure
+  int max_part_nodes = 2'000'000;        ///< mesh nodes of a part; fixed, since its memory is limited before
   std::size_t max_deformed = 1'000'000;  ///< nodes of an answer's deformed meshes or strands, over all states; fixed
   std::size_t max_print_points = 1'000'000;   ///< points of a toolpath; fixed
   std::size_t max_border_points = 1'000'000;  ///< border points of an answer's Voronoi diagram; fixed
