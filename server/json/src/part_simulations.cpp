@@ -207,7 +207,7 @@ void write_rest_mesh(JsonWriter& out, const tiling::PeriodicMesh& mesh) {
   out.end_array().end_object();
 }
 
-void write_part_accuracy(JsonWriter& out, const PartSimulationRequest& request, const SimulatedPart& simulated) {
+void write_part_accuracy(JsonWriter& out, const PartSimulationRequest& request, const PartSimulationOutcome& simulated) {
   double residual = 0;
   for (const PartState& state : simulated.result.states) {
     // Unlike std::max, this keeps a value that is not a number.
@@ -246,7 +246,7 @@ PartSimulationRequest parse_part_simulation(std::string_view body, const Limits&
       });
 }
 
-std::string write_part_simulation(const PartSimulationRequest& request, const SimulatedPart& simulated,
+std::string write_part_simulation(const PartSimulationRequest& request, const PartSimulationOutcome& simulated,
                                   const Bill& bill) {
   const auto& states = simulated.result.states;
   DeformedWriter deformed{request, simulated.mesh};

@@ -360,6 +360,27 @@ TEST(PartSimulation, PlatesAlongOneSideOnlyLeaveARigidMotion) {
             std::string::npos);
 }
 
+TEST(PartSimulation, TheBillSaysWhyContactAndBucklingDidNotRun) {
+  const auto billed = [](const PartSimulationOptions& options) {
+    CostLedger ledger;
+    Execution execution;
+    execution.cost = &ledger;
+    simulate_part(block(2, 2, 3, 3), {plate(Side::bottom), plate(Side::top, {0, -0.1})}, options, execution);
+    std::string text;
+    for (const auto& effect : ledger.effects())
+      if (effect.name == "contact" || effect.name == "buckling")
+        text += effect.name + (effect.ran ? " ran" : "") + ": " + effect.why + "; ";
+    return text;
+  };
+  PartSimulationOptions options = with_states(1);
+  EXPECT_EQ(billed(options),
+            "contact: no pair of boundary points came within the barrier's range; buckling: the stiffness stayed "
+            "positive definite; ");
+  options.contact = Switch::off;
+  options.buckling = Switch::off;
+  EXPECT_EQ(billed(options), "contact: switched off by the request; buckling: switched off by the request; ");
+}
+
 TEST(PartSimulation, StopsWhenItIsAskedTo) {
   Execution execution;
   execution.cancellation.request(StopReason::cancelled);

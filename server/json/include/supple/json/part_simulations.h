@@ -44,7 +44,7 @@ PartSimulationRequest parse_part_simulation(std::string_view body, const Limits&
                                             const CancellationToken& cancellation = {});
 
 /// What the answer tells of a computation.
-struct SimulatedPart {
+struct PartSimulationOutcome {
   const tiling::Part& part;
   const tiling::PeriodicMesh& mesh;
   const microscale::PartSimulationResult& result;
@@ -52,7 +52,7 @@ struct SimulatedPart {
 };
 
 /// Pictures and deformed parts are written where the request asks for them; the states then have displacements.
-std::string write_part_simulation(const PartSimulationRequest& request, const SimulatedPart& simulated,
+std::string write_part_simulation(const PartSimulationRequest& request, const PartSimulationOutcome& simulated,
                                   const Bill& bill);
 
 /// The state that was reached last, of which `number` counts from 1, as an intermediate result.
