@@ -25,6 +25,10 @@ std::string stage_of(const nlohmann::json& job) {
     return stage + fmt::format("  errs by {} in the mean, {} designs", as_percent(reached.at("error").get<double>()),
                                reached.at("designs").get<long>());
   }
+  if (partial->contains("state"))
+    return stage + fmt::format("  state {} of {}, strain up to {}", partial->at("number").get<int>(),
+                               partial->at("states").get<int>(),
+                               as_percent(partial->at("state").at("largest_strain").get<double>()));
   if (partial->contains("round") || partial->contains("error")) {
     const bool is_polishing = partial->contains("round");
     const auto error = is_polishing ? partial->at("round").at("target_error") : partial->at("error").at("relative_rms");

@@ -16,13 +16,13 @@ namespace supple::cli {
 namespace {
 
 /// A field whose option has another name, for one command or, if that is empty, for all. Fields within the field belong
-/// to the same option.
+/// to the same option. A command is named by its last words.
 struct FieldName {
   std::string_view command;
   std::string_view pointer;
   std::string_view name;
 };
-constexpr std::array<FieldName, 40> field_names{{
+constexpr std::array<FieldName, 46> field_names{{
     {"design", "/target/control_points", "--target"},
     {"design", "/text", "--target"},
     {"design", "/outline", "--part"},
@@ -51,8 +51,14 @@ constexpr std::array<FieldName, 40> field_names{{
     {"voronoi", "/sites/count", "--random"},
     {"voronoi", "/objectives", "--optimize"},
     {"voronoi", "/fixed_sites", "--fixed"},
-    {"simulate", "/supports", "--hold or --move"},
-    {"simulate", "/forces", "--pull"},
+    {"weave simulate", "/supports", "--hold or --move"},
+    {"weave simulate", "/forces", "--pull"},
+    {"part simulate", "/supports", "--support"},
+    {"part simulate", "/accuracy/tolerance", "--residual"},
+    {"part simulate", "/part/regions", "--region"},
+    {"part simulate", "/part/structure/family", "family"},
+    {"part simulate", "/text", "--outline"},
+    {"part simulate", "/resolution", "--resolution"},
     {"print", "/printer", "--profile"},
     {"print", "/overruns", "--overrun-of"},
     {"check", "/gcode", "file"},
@@ -135,11 +141,28 @@ std::string name_of_end(const CLI::App& command, const std::vector<std::string>&
   return at < points->results().size() ? fmt::format("points '{}'", points->results()[at]) : "points";
 }
 
-bool reads_request_file(const CLI::App& command) {
-  return std::any_of(request_files.begin(), request_files.end(), [&](const char* name) {
-    const CLI::Option* option = command.get_option_no_throw("--" + std::string(name));
-    return option != nullptr && option->count() > 0;
+/// Whether the words that call the command are, or end with, these words.
+bool is_called(const std::vector<const CLI::App*>& commands, std::string_view words) {
+  const std::string called = " " + command_line_of(commands);
+  return called.ends_with(" " + std::string(words));
+}
+
+/// Whether a command reads a request, or part of one, from a file: the last one, or one before it, whose options the
+/// last one passes on.
+bool reads_request_file(const std::vector<const CLI::App*>& commands) {
+  return std::any_of(commands.begin(), commands.end(), [](const CLI::App* command) {
+    return std::any_of(request_files.begin(), request_files.end(), [&](const char* name) {
+      const CLI::Option* option = command->get_option_no_throw("--" + std::string(name));
+      return option != nullptr && option->count() > 0;
+    });
   });
+}
+
+/// The option of the last command that has one of this name, and else of the one before it.
+const CLI::Option* option_of(const std::vector<const CLI::App*>& commands, const std::string& part) {
+  for (auto command = commands.rbegin(); command != commands.rend(); ++command)
+    if (const CLI::Option* option = option_named(**command, part)) return option;
+  return nullptr;
 }
 
 /// The server's sentence with the option in place of the field that it names, with or without its first slash.
@@ -169,10 +192,10 @@ std::string name_of_field(const std::string& pointer, const std::vector<const CL
   const CLI::App& command = *commands.back();
   if (parts.empty()) return "the request";
   auto field = "the field " + joined(parts, ".");
-  const bool from_file = reads_request_file(command);
+  const bool from_file = reads_request_file(commands);
   if (command.get_name() == "geodesic" && parts.front() == "pairs") return name_of_end(command, parts);
   for (const auto& known : field_names) {
-    const bool is_of_command = known.command.empty() || known.command == command.get_name();
+    const bool is_of_command = known.command.empty() || is_called(commands, known.command);
     if (!is_of_command || !lies_within(pointer, known.pointer)) continue;
     if (from_file) return field;
     const CLI::Option* const points = command.get_option_no_throw("--target-points");
@@ -183,7 +206,7 @@ std::string name_of_field(const std::string& pointer, const std::vector<const CL
            (several ? "" : place_in_value(parts, parts_of(std::string(known.pointer)).size()));
   }
   for (std::size_t at = parts.size(); at-- > 0;) {
-    const CLI::Option* option = option_named(command, parts[at]);
+    const CLI::Option* option = option_of(commands, parts[at]);
     if (option == nullptr) continue;
     if (from_file && option->count() == 0) return field;
     const auto quoted = quoted_value(*option, parts, at);

@@ -31,6 +31,7 @@ Examples:
   supple exponential-map bunny.obj v0 --tangent 0.1,0,0.2
   supple structure IH21 --svg tiling.svg
   supple simulate IH01 --uniaxial 0 --stretches 1.02:1.3:15 --csv curve.csv
+  supple part simulate IH21 --block 30x20 --strain -20% --csv force.csv
   supple evaluate ih21 --parameters 0.15,0.65 --strain 0.05,0,0 --derivatives 2
   supple design --task stress_strain --family any --target "0,0;0.1,0.6;0.2,0.9" --plot curve.svg
   supple weave homogenize squares --type 2 --plot squares.svg

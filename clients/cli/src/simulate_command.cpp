@@ -7,6 +7,7 @@
 #include "load_arguments.h"
 #include "numbers.h"
 #include "simulation_output.h"
+#include "solver_arguments.h"
 #include "units.h"
 
 namespace supple::cli {
@@ -16,51 +17,25 @@ struct PatchSimulationArguments {
   std::string family;
   std::string parameters;
   LoadArguments load;
-  std::string law;
-  double youngs_modulus = 0;
-  std::string poisson_ratio;
-  double mesh_size = 0;
-  double corner_size = 0;
+  SolverArguments solver;
   std::string mesh_region;
   double discretization_error = 0;
-  double tolerance = 0;
-  double max_load_step = 0;
-  std::string contact;
   std::string patch;
-  std::string buckling;
   std::string refinement;
   bool no_tangents = false;
-  double deadline = 0;
   std::string csv_file;
   std::string vtu_file;
 };
 
 nlohmann::json request_of(const PatchSimulationArguments& arguments) {
   nlohmann::json request = {{"family", arguments.family}, {"load", load_of(arguments.load)}};
-  const auto set_text = [&](const char* group, const char* name, const std::string& value) {
-    if (!value.empty()) request[group][name] = value;
-  };
-  const auto set_number = [&](const char* group, const char* name, double value) {
-    if (value > 0) request[group][name] = value;
-  };
   if (!arguments.parameters.empty()) request["parameters"] = parse_numbers(arguments.parameters, "list of parameters");
-  set_text("material", "law", arguments.law);
-  set_number("material", "youngs_modulus", arguments.youngs_modulus);
-  if (!arguments.poisson_ratio.empty()) {
-    request["material"]["poisson_ratio"] = parse_numbers(arguments.poisson_ratio, "Poisson's ratio").front();
-  }
-  set_number("accuracy", "mesh_size", arguments.mesh_size);
-  set_number("accuracy", "corner_size", arguments.corner_size);
-  set_text("accuracy", "mesh_region", arguments.mesh_region);
-  set_number("accuracy", "discretization_error", arguments.discretization_error);
-  set_number("accuracy", "tolerance", arguments.tolerance);
-  set_number("accuracy", "max_load_step", arguments.max_load_step);
-  set_text("effects", "contact", arguments.contact);
-  set_text("effects", "patch", arguments.patch);
-  set_text("effects", "buckling", arguments.buckling);
-  set_text("effects", "refinement", arguments.refinement);
+  set_solver_fields(arguments.solver, request);
+  set_member(request, "accuracy", "mesh_region", arguments.mesh_region);
+  set_member(request, "accuracy", "discretization_error", arguments.discretization_error);
+  set_member(request, "effects", "patch", arguments.patch);
+  set_member(request, "effects", "refinement", arguments.refinement);
   if (arguments.no_tangents) request["tangents"] = false;
-  if (arguments.deadline > 0) request["deadline"] = arguments.deadline;
   if (!arguments.vtu_file.empty()) request["deformed"] = "vtu";
   return request;
 }
@@ -85,18 +60,8 @@ void add_options(CLI::App& command, PatchSimulationArguments& arguments) {
   command.add_option("-p,--parameters", arguments.parameters,
                      "Parameters, separated by commas (the family's defaults)");
   add_load_options(command, arguments.load);
-  command.add_option("--law", arguments.law, "Material (neo_hookean)")
-      ->check(CLI::IsMember({"neo_hookean", "incompressible_plane_stress"}));
-  command.add_option("--youngs-modulus", arguments.youngs_modulus, "Young's modulus in MPa (26)")
-      ->transform(quantity(Dimension::stress))
-      ->check(CLI::PositiveNumber);
-  command.add_option("--poisson-ratio", arguments.poisson_ratio, "Poisson's ratio (0.48)")->check(CLI::Number);
-  command
-      .add_option("--mesh-size", arguments.mesh_size,
-                  "Sides of the triangles as a share of the beam width; states are then those of this mesh")
-      ->check(CLI::PositiveNumber);
-  command.add_option("--corner-size", arguments.corner_size, "Sides at re-entrant corners as a share of the others")
-      ->check(CLI::PositiveNumber);
+  add_material_options(command, arguments.solver);
+  add_mesh_options(command, arguments.solver);
   command.add_option("--mesh-region", arguments.mesh_region, "What is meshed at a time (automatic)")
       ->check(CLI::IsMember({"automatic", "tile", "cell"}));
   command
@@ -104,22 +69,13 @@ void add_options(CLI::App& command, PatchSimulationArguments& arguments) {
                   "Relative error of the stress that the mesh may make; --mesh-size wins over it")
       ->transform(quantity(Dimension::ratio))
       ->check(CLI::PositiveNumber);
-  command.add_option("-t,--tolerance", arguments.tolerance, "Relative residual of an equilibrium (1e-8)")
-      ->check(CLI::PositiveNumber);
-  command.add_option("--max-load-step", arguments.max_load_step, "Largest internal change of F (0.05)")
-      ->check(CLI::PositiveNumber);
-  const auto switch_values = CLI::IsMember({"automatic", "on", "off"});
-  command.add_option("--contact", arguments.contact, "Self-contact (automatic)")->check(switch_values);
-  command.add_option("--patch", arguments.patch, "Patch of 2 x 2 cells (automatic)")->check(switch_values);
-  command.add_option("--buckling", arguments.buckling, "Leave unstable states (automatic)")->check(switch_values);
+  add_path_options(command, arguments.solver, "-t,--tolerance", "Largest internal change of F (0.05)");
+  command.add_option("--patch", arguments.patch, "Patch of 2 x 2 cells (automatic)")->check(switch_values());
   command
       .add_option("--refinement", arguments.refinement,
                   "States on a finer mesh too, which tell the mesh's error and take it off (automatic)")
-      ->check(switch_values);
+      ->check(switch_values());
   command.add_flag("--no-tangents", arguments.no_tangents, "Leave out the tangent stiffnesses");
-  command.add_option("--deadline", arguments.deadline, "Seconds that the computation may take, or for example 2min")
-      ->transform(quantity(Dimension::duration))
-      ->check(CLI::PositiveNumber);
   command.add_option("--csv", arguments.csv_file, "Write the states to this file, - for the terminal");
   command.add_option("--vtu", arguments.vtu_file,
                      "Write the deformed mesh of each state; several states become name-0000.vtu and so on");

@@ -15,7 +15,7 @@
 namespace supple::microscale {
 namespace {
 
-/// A square of two by two squares that lies alone in its cell, of 16 quadratic triangles' sides along its outline.
+/// A square of two by two squares that lies alone in its cell.
 tiling::PeriodicMesh lone_square() {
   tiling::PeriodicMesh mesh = testing::draw({"...", "##.", "##."}, {0.5, 0.5, 4}, {0.5, 0.5, 4});
   mesh.mesh_size = 0.5;
