@@ -16,6 +16,8 @@ structures; weaves of elastic strands; answered by a supple-server.
 
         curve = client.simulate("IH01", None, supple.Uniaxial(0.0, [1.05, 1.1, 1.15]))
         curve.green_strain, curve.stress
+        test = client.part_simulation(supple.PartRequest(supple.parts.block(30, 20), "IH21"), strain=-0.1)
+        test.displacement, test.force
 
         model = client.model("ih21")
         model.evaluate([0.15, 0.65], [[0.05, 0, 0], [0.1, 0, 0]]).stress
@@ -141,6 +143,20 @@ from .simulations import DeformedPatch, DiscretizationError, PatchMesh, Simulati
 from .drawings import Drawing, DrawingRequest, DrawnPolygon
 from .targets import CurveNote, MeasuredCurve, MeasuredCurveRequest, Target
 from .parts import Part, PartFileRequest, PartOptions, PartRegion, PartRequest
+from .part_simulations import (
+    Clamp,
+    DeformedPart,
+    PartialPartState,
+    PartMesh,
+    PartMeshError,
+    PartSimulation,
+    PartSimulationFileRequest,
+    PartSimulationRequest,
+    PartState,
+    Plate,
+    PlatePressure,
+    SupportState,
+)
 from .tilings import CellMesh, Family, Structure, StructureFileRequest, StructureRequest, Tile
 from .trainings import PartialTraining, Training, TrainingPlan, TrainingPlanRequest, TrainingRequest
 from .voronoi import (
@@ -198,8 +214,8 @@ __version__ = "0.1.0"
 
 __all__ = [
     "AccessDenied", "AddedFamily", "AdjacentFaces", "AtlasComparison", "AtlasMeshError", "AtlasNearest", "AtlasProfile", "AtlasSample",
-    "BeamWidthSensitivity", "Biaxial", "CellMesh", "Client", "ConnectionFailed", "Cost", "Crossing",
-    "CrossingMember", "CurveNote", "DeadlineExceeded", "DeformedCell", "DeformedPatch", "Design", "DesignCandidate",
+    "BeamWidthSensitivity", "Biaxial", "CellMesh", "Clamp", "Client", "ConnectionFailed", "Cost", "Crossing",
+    "CrossingMember", "CurveNote", "DeadlineExceeded", "DeformedCell", "DeformedPart", "DeformedPatch", "Design", "DesignCandidate",
     "DesignError", "DesignOptions", "DesignProfile", "DesignRequest", "DesignResult", "DiscretizationError", "Drawing",
     "DrawingRequest", "DrawnPolygon", "Effect", "ErrorStatistics", "Evaluation", "EvaluationRequest", "ExponentialMap",
     "ExponentialMapRequest", "Family", "FamilyAtlas", "FamilyAtlasRequest", "FamilyCheck", "FamilyCheckRequest", "FamilyFinding", "FamilyTiling", "Fault", "Field", "FieldRequest", "FitRange", "FollowedStop", "Force", "FoundChannel",
@@ -209,14 +225,15 @@ __all__ = [
     "KarcherMean", "KarcherMeanRequest", "KarcherStep", "KeyReadableByOthers", "LaidStrand", "LikelyDegrees", "Limits",
     "Load", "MadeOf", "Material", "MaterialBound", "MeasuredCurve", "MeasuredCurveRequest", "Membrane", "Mesh", "MeshInfo", "MeshRepair",
     "Model", "ModelInfo", "Moving", "NetworkFileRequest", "NotFound", "OptimizationStep", "OptimizedVoronoi", "Part",
-    "PartFileRequest", "PartOptions", "PartRegion", "PartRequest", "PartialDesign", "PartialOptimization",
-    "PartialRelaxation", "PartialRound", "PartialTraining", "PatchMesh", "Path", "Place", "PlacedPoint", "PointLike", "PointsInFaces",
+    "PartFileRequest", "PartMesh", "PartMeshError", "PartOptions", "PartRegion", "PartRequest", "PartSimulation", "PartSimulationFileRequest",
+    "PartSimulationRequest", "PartState", "PartialDesign", "PartialOptimization", "PartialPartState",
+    "PartialRelaxation", "PartialRound", "PartialTraining", "PatchMesh", "Path", "Place", "PlacedPoint", "Plate", "PlatePressure", "PointLike", "PointsInFaces",
     "PoissonDisk", "Polish", "PolishRound", "PossibleProfile", "PrintMove", "PrintOptions", "PrintStatistics", "ProblemError", "ProfileCurve",
     "ProfileRequest", "Progress", "RandomSites", "Region", "RegionDesigns", "RegionsRequest", "RelaxationOptions",
     "RelaxationRequest", "RelaxationStep", "RelaxedNetwork", "Request", "RequestTimeout", "ServerBusy", "ServerError",
     "SheetState", "Shell", "Simulation", "SimulationRequest", "SiteMoves", "Sites", "Solid", "SolidRegion", "SpacePoint",
     "SplitErrors", "Spread", "Spring", "State", "Strand", "Structure", "StructureFileRequest", "StructureRequest",
-    "StructureSize", "Superseded", "SuppleError", "Support", "SurfacePoint", "Target", "Tile", "Training", "TrainingPlan", "TrainingPlanRequest", "TrainingRequest", "Uniaxial", "UniaxialCurve",
+    "StructureSize", "Superseded", "SuppleError", "Support", "SupportState", "SurfacePoint", "Target", "Tile", "Training", "TrainingPlan", "TrainingPlanRequest", "TrainingRequest", "Uniaxial", "UniaxialCurve",
     "UniaxialRequest", "Verdict", "Verification", "Vertex", "Violation", "VoronoiCell", "VoronoiDiagram", "VoronoiDual", "VoronoiEdge",
     "VoronoiFileRequest", "VoronoiOptimizationRequest", "VoronoiOptions", "VoronoiPiece", "VoronoiPieces", "VoronoiRequest",
     "VoronoiStatistics", "VoronoiVertex", "WayOut", "Weave", "WeaveDeformation", "WeaveDeformationRequest", "WeaveDiscretizationError",

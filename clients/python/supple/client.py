@@ -20,6 +20,7 @@ from .families import AddedFamily, FamilyAtlasRequest, FamilyCheckRequest
 from .jobs import Job, JobStatus
 from .mesh import Mesh
 from .models import Model, ModelInfo
+from .part_simulations import PartSimulationFileRequest, PartSimulationRequest
 from .parts import PartFileRequest, PartRequest
 from .request import Request
 from .simulations import SimulationRequest
@@ -241,6 +242,9 @@ class Client(Connection):
     drawing = runs(DrawingRequest)
     part = runs(PartRequest)
     part_file = runs(PartFileRequest)
+    part_simulation = runs(PartSimulationRequest)
+    start_part_simulation = submits(PartSimulationRequest)
+    part_simulation_file = runs(PartSimulationFileRequest)
 
     weave_layout = runs(WeaveLayoutRequest)
     weave_picture = runs(WeavePictureRequest)

@@ -12,6 +12,7 @@ from urllib.parse import quote
 from .design_answers import PartialDesign, PartialRound
 from .errors import RequestTimeout, SuppleError
 from .network_answers import PartialRelaxation
+from .part_simulations import PartialPartState
 from .progress import Progress, Reporter
 from .request import Request
 from .rounds import Rounds
@@ -22,7 +23,7 @@ from .voronoi_answers import PartialOptimization
 from .wire import At, decode
 
 Result = TypeVar("Result")
-Partial = Union[PartialDesign, PartialRound, PartialRelaxation, PartialOptimization, PartialTraining]
+Partial = Union[PartialDesign, PartialRound, PartialRelaxation, PartialOptimization, PartialPartState, PartialTraining]
 """An intermediate result of a job."""
 
 FIRST_POLL_INTERVAL = 0.05
@@ -42,6 +43,8 @@ def _partial(job: Mapping[str, Any]) -> Optional[Partial]:
         return decode(PartialOptimization, partial)
     if job["kind"] == "trainings":
         return decode(PartialTraining, partial)
+    if job["kind"] == "part-simulations":
+        return decode(PartialPartState, partial)
     return decode(PartialRound, partial) if "round" in partial else decode(PartialDesign, partial)
 
 
@@ -59,7 +62,8 @@ class JobStatus:
         created: when the job was accepted, RFC 3339 in UTC.
         partial: an intermediate result. While designs are searched it is the best one so far, and then the structure that was
             simulated last. For a network or an optimized Voronoi diagram it is the state after the latest iteration, for a
-            training the errors that it has reached. None for other computations.
+            part under supports the latest state, and for a training the errors that it has reached. None for other
+            computations.
         priority: "interactive", "normal" or "background", as the request asked.
         remaining_seconds: estimated seconds until a running job ends; None while it does not run, or has hardly begun.
     """

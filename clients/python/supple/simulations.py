@@ -197,7 +197,8 @@ def _drawn_patch(mesh: PatchMesh, points: Array) -> Drawing:
     return Drawing("map", (), tuple(Area((points[corners],)) for corners in mesh.triangles[:, :3]), title="patch")
 
 
-def _material(material: Mapping[str, Any], name: str) -> Any:
+def written_material(material: Mapping[str, Any], name: str) -> Any:
+    """The JSON of a material, whose modulus may have a unit."""
     return encode(members_without_units(material, {"youngs_modulus": "stress"}))
 
 
@@ -228,7 +229,7 @@ class SimulationRequest(Request[Simulation], path="/v1/simulations"):
     family: str
     parameters: Optional[Numbers]
     load: Load
-    material: Annotated[Optional[Mapping[str, Any]], At(write=_material)] = None
+    material: Annotated[Optional[Mapping[str, Any]], At(write=written_material)] = None
     mesh_size: Annotated[Optional[float], ACCURACY] = None
     corner_size: Annotated[Optional[float], ACCURACY] = None
     mesh_region: Annotated[Optional[str], ACCURACY] = None

@@ -33,7 +33,7 @@ ANSWERS += [(kind, SCHEMAS[name]) for kind, name in (
     (JobStatus, "Job"), (PlacedPoint, "PlacedPoint"), (supple.Geodesic, "GeodesicResult"), (supple.GcodeReport, "GcodeReport"),
     (supple.PartialDesign, "PartialDesign"), (supple.PartialRound, "PartialRound"),
     (supple.PartialRelaxation, "PartialRelaxation"), (supple.PartialOptimization, "PartialOptimization"),
-    (supple.PartialTraining, "PartialTraining"))]
+    (supple.PartialPartState, "PartialPartSimulation"), (supple.PartialTraining, "PartialTraining"))]
 ALWAYS_SENT = {"CrossingMember.shift", "CrossingMember.slides", "WeaveSimulation.unknowns"}
 """Members of answers that the server always sends and the contract does not require."""
 NOT_OFFERED = {"known_path", "keep", "svg", "format", "panel_scale", "height", "cells"}
@@ -234,6 +234,12 @@ SAMPLES: List[Request[Any]] = [
         0.4, 0.1, 0.2, [supple.PartRegion([[0, 0], [1, 0], [0, 1]], "IH21", [0.1], 0.4, 0.1, "heel", 0.2)], 1.0, 0.5, "whole", 0.2, 2.0, 1.2, 0.3)),
     supple.PartRequest(supple.parts.regions_only(), "IH21", options=supple.PartOptions(regions=[supple.PartRegion([[0, 0], [1, 0], [0, 1]], "IH21")])),
     supple.PartFileRequest(supple.parts.polygons([[[0, 0], [1, 0], [0, 1]]]), "IH21", kind="3mf"),
+    supple.PartSimulationRequest(
+        supple.PartRequest(supple.parts.rectangle(20, 30), "IH21", [0.1], supple.PartOptions(0.4, density=1.1), deadline=9),
+        [supple.Plate("top", (0, -1), 0.5, "stick"), supple.Clamp([[0, 0], [20, 1]])], None, {"youngs_modulus": "20 MPa"}, 5, 1.0, 0.5, 1e-6,
+        9, 0.1, 2.0, "off", "on", "off", "vtu", True),
+    supple.PartSimulationRequest(supple.PartRequest(supple.parts.block(20, 30), "IH21"), strain=-0.1),
+    supple.PartSimulationFileRequest(supple.PartRequest(supple.parts.coupon(20, 30), "IH21"), kind="svg"),
     supple.WeaveLayoutRequest(supple.Weave.layout(STRANDS, lattice=[[8, 0], [0, 8]])),
     supple.WeavePictureRequest(supple.Weave.circles(2, circle_radius=6)),
     supple.WeaveHomogenizationRequest(supple.Weave.squares(2), 0.2, [0, 1], "suppressed", 0.5, [1], supple.WeaveOptions(
