@@ -22,6 +22,11 @@ IDLE: List[Tuple[Tuple[str, ...], str]] = [
     (("part", "IH21", "--block", "12x30", "--grip", "8"), "--grip has no effect without --coupon"),
     (("part", "IH21", "--coupon", "12x30", "--plate", "8"), "--plate has no effect without --block"),
     (("part", "IH21", "--rectangle", "12x30", "--seam", "1"), "--seam has no effect without regions"),
+    *((("part", "simulate", "IH21", "--block", "12x30", option, *value), f"{option} has no effect without a plate as --support")
+      for option, value in (("--gap", ("1",)), ("--stick", ()))),
+    *((("part", "simulate", "IH21", "--block", "12x30", option, "a"), f"{option} has no effect where the part is simulated")
+      for option in ("--step", "--stl", "--3mf", "--dxf")),
+    (("part", "simulate", "IH21", "--block", "12x30", "--density", "1"), "--density has no effect where the part is simulated"),
     (("part", "IH21", "--rectangle", "12x30", "--region", "heel=IH29"), "give it with --outline"),
     (("part", "IH21", "--rectangle", "12x30", "--unit", "cm"), "give it with --outline"),
     (("part", "IH21", "--rectangle", "12x30", "--resolution", "96"), "give it with --outline"),
@@ -96,6 +101,8 @@ FREE: Dict[str, str] = {
     "structure": "--parameters --svg --dxf --stl --beam-width",
     "part": """--parameters --coupon --block --rectangle --outline --request --beam-width --orientation --direction --axis --from --design --frame
         --smallest-wall --thickness --density --whole --step --stl --3mf --dxf --svg""",
+    "part simulate": """--support --load --strain --states --law --youngs-modulus --poisson-ratio --mesh-size --corner-size --pressure-length
+        --residual --max-load-step --contact --buckling --deadline --error-estimate --csv --svg --obj --vtu --plot""",
     "outlines": "--unit --resolution --width --tolerance",
     "curve": "--task --out " + MEASUREMENT,
     "simulate": """--parameters --uniaxial --biaxial --green-strain --law --youngs-modulus --poisson-ratio --mesh-size --corner-size --mesh-region

@@ -127,12 +127,12 @@ def test_control_points_may_have_units(supple: Program) -> None:
 
 
 OPTIONS = {
-    "length": (("structure", "IH21", "--beam-width"), ("part", "IH21", "--thickness"), ("part", "IH21", "--coupon"),
+    "length": (("structure", "IH21", "--beam-width"), ("part", "IH21", "--thickness"), ("part", "IH21", "--coupon"), ("part", "simulate", "IH21", "--gap"),
                ("design", "--cell-size"), ("weave", "layout", "regular", "--pitch"), ("curve", "x.csv", "--gauge-length")),
     "stress": (("design", "--youngs-modulus"), (*CURVE, "--youngs-modulus"), ("weave", "layout", "regular", "--youngs-modulus")),
     "angle": ((*CURVE, "--direction"), (*CURVE, "--orientation")),
     "duration": (("design", "--polish-seconds"), (*CURVE, "--deadline"), ("relax", "x.obj", "--deadline")),
-    "ratio": ((*POISSON, "--strain"), ("design", "--relative-density"), ("design", "--polish-tolerance")),
+    "ratio": ((*POISSON, "--strain"), ("part", "simulate", "IH21", "--strain"), ("design", "--relative-density"), ("design", "--polish-tolerance")),
     "density": (("design", "--density"), ("part", "IH21", "--density")),
     "area": (("curve", "x.csv", "--area"),),
 }

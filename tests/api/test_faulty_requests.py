@@ -14,7 +14,8 @@ from harness import Api, pointers, problem_code
 COMPUTATIONS = ["/v1/geodesics", "/v1/geodesic-fields", "/v1/karcher-means", "/v1/embedded-systems",
                 "/v1/exponential-maps", "/v1/voronoi-diagrams", "/v1/voronoi-optimizations"]
 WEAVES = ["/v1/weave-layouts", "/v1/weave-homogenizations", "/v1/weave-deformations", "/v1/weave-simulations", "/v1/weave-toolpaths", "/v1/gcode-reports"]
-ALL = [*COMPUTATIONS, "/v1/structures", "/v1/family-checks", "/v1/family-atlases", "/v1/measured-curves", "/v1/parts", "/v1/simulations", *WEAVES]
+ALL = [*COMPUTATIONS, "/v1/structures", "/v1/family-checks", "/v1/family-atlases", "/v1/measured-curves", "/v1/parts", "/v1/part-simulations",
+       "/v1/simulations", *WEAVES]
 JSON = {"Content-Type": "application/json"}
 CORNER = {"vertex": 0}
 
@@ -34,6 +35,8 @@ def minimal(path: str, mesh: str) -> Dict[str, Any]:
         "/v1/family-atlases": {"definition": {"id": "hexagons", "description": "Regular hexagons", "parameters": [], "beam_width": 0.1, "isohedral_type": 20}},
         "/v1/measured-curves": {"points": [[0, 0], [0.1, 1]]},
         "/v1/parts": {"outline": {"rectangle": [5, 5]}, "structure": {"family": "IH01"}},
+        "/v1/part-simulations": {"part": {"outline": {"rectangle": [2, 2]}, "structure": {"family": "IH01"}, "frame": 2},
+                                 "supports": [{"kind": "clamp", "box": [[-1, -1], [3, 0.1]]}]},
         "/v1/weave-layouts": {"weave": {"pattern": "regular"}},
         "/v1/weave-homogenizations": {"weave": {"pattern": "regular"}},
         "/v1/weave-deformations": {"weave": {"pattern": "regular"}, "deformation_gradients": [[[1, 0], [0, 1]]]},

@@ -1,4 +1,4 @@
-// Feeds arbitrary bytes to the request parsers. The first byte, from 0 to C in the seeds, chooses the parser; the
+// Feeds arbitrary bytes to the request parsers. The first byte, from 0 to E in the seeds, chooses the parser; the
 // others are the body. A parser must return a request within the limits or throw an Error, and the problem document for
 // a client must be valid JSON in UTF-8.
 
@@ -14,6 +14,7 @@
 #include "supple/json/family_checks.h"
 #include "supple/json/family_definitions.h"
 #include "supple/json/model_requests.h"
+#include "supple/json/part_simulations.h"
 #include "supple/json/requests.h"
 #include "supple/json/structure_requests.h"
 #include "supple/json/trainings.h"
@@ -185,8 +186,26 @@ void check_printer(const weave::PrinterProfile& printer) {
   require(printer.travel_speed > 0 && printer.lift.run > 0 && printer.startup_gcode.size() <= 20'000);
 }
 
+void check_part_simulation(const json::PartSimulationRequest& request) {
+  check_structure(request.part.filling.structure);
+  for (const auto& region : request.part.regions) check_structure(region.filling.structure);
+  require(!request.supports.empty() && request.supports.size() <= 100);
+  for (const auto& support : request.supports) {
+    if (const auto* plate = std::get_if<microscale::Plate>(&support)) {
+      require(plate->gap >= 0 && plate->displacement.allFinite());
+    } else {
+      const auto& clamp = std::get<microscale::Clamp>(support);
+      require(clamp.lower.allFinite() && clamp.upper.allFinite() && clamp.displacement.allFinite());
+    }
+  }
+  const auto& options = request.options;
+  require(options.states >= 1 && static_cast<std::size_t>(options.states) <= limits().max_states);
+  require(options.thickness > 0 && options.pressure_length > 0 && options.tolerance > 0 && options.max_load_step > 0);
+  require(request.mesh.mesh_size > 0 && request.mesh.corner_size > 0 && request.mesh.corner_size <= 1);
+}
+
 void parse(unsigned which, std::string_view body) {
-  switch (which % 21) {
+  switch (which % 22) {
     case 0: {
       const auto request = json::parse_geodesics(body, limits());
       require(request.mesh.size() == 64 && !request.pairs.empty() && request.pairs.size() <= limits().max_pairs);
@@ -353,6 +372,11 @@ void parse(unsigned which, std::string_view body) {
       const auto request = json::parse_training(body, limits());
       require(!request.family.empty() && request.core_seconds >= 60 && request.core_seconds <= 1e7);
       require(request.error >= 0 && request.error <= 0.5 && request.seed >= 1);
+      return check_deadline(request.deadline);
+    }
+    case 21: {
+      const auto request = json::parse_part_simulation(body, limits());
+      check_part_simulation(request);
       return check_deadline(request.deadline);
     }
     default: {

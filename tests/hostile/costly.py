@@ -423,6 +423,21 @@ def simulation_of_a_patch(meshes: Meshes, more: Dict[str, Any]) -> Costly:
 
 
 @costly
+def part_of_many_cells_under_plates(meshes: Meshes, more: Dict[str, Any]) -> Costly:
+    return post("/v1/part-simulations", {
+        "part": {"outline": {"block": {"width": 60, "height": 60}}, "structure": {"family": "IH21"}}, "states": 1000, "strain": -0.5,
+        "accuracy": {"mesh_size": 0.5, "tolerance": 1e-12, "max_iterations": 10_000, "max_load_step": 1e-5},
+        "effects": {"contact": "on", "buckling": "on", "error_estimate": "on"}, **more})
+
+
+@costly
+def pictures_of_a_part_in_many_states(meshes: Meshes, more: Dict[str, Any]) -> Costly:
+    return post("/v1/part-simulations", {
+        "part": {"outline": {"coupon": {"width": 6, "length": 6, "grip_length": 1}}, "structure": {"family": "IH01"}, "frame": 6},
+        "states": 1000, "strain": 1, "deformed": "vtu", "svg": True, "accuracy": {"mesh_size": 0.8}, **more})
+
+
+@costly
 def family_of_many_placements(meshes: Meshes, more: Dict[str, Any]) -> Costly:
     corners = [[round(math.cos(0.5 * k), 6), round(math.sin(0.5 * k), 6)] for k in range(12)]
     waves = {"class": "J", "sines": [[0.02 / (k + 1), *[0.001] * 8] for k in range(8)], "pieces": 20}

@@ -67,16 +67,24 @@ PartMeshEstimate estimate_part_mesh(const std::vector<SolidFace>& faces, double 
                                     const MeshOptions& options) {
   check_mesh_options(options);
   const SizeField size = size_field(faces, beam_width, options);
-  double solid_area = 0, outline_nodes = 0;
+  double solid_area = 0, outline_length = 0;
   for (const SolidFace& face : faces)
     for (const Polygon& polygon : face) {
       solid_area += area(polygon);
-      outline_nodes += static_cast<double>(divided_polygon(polygon, size).size());
+      outline_length += perimeter(polygon);
     }
   PartMeshEstimate estimate;
   estimate.nodes = area_factor * size.expected_nodes(solid_area, 0) +
-                   corner_factor * size.expected_nodes(0, static_cast<double>(size.corners())) +
-                   nodes_per_outline_node * outline_nodes;
+                   corner_factor * size.expected_nodes(0, static_cast<double>(size.corners()));
+  double outline_nodes = outline_length / size.max_size();
+  // The outline is divided only if it does not have too many nodes anyway, since that takes as much memory.
+  if (estimate.nodes + nodes_per_outline_node * outline_nodes <= options.max_nodes) {
+    outline_nodes = 0;
+    for (const SolidFace& face : faces)
+      for (const Polygon& polygon : face)
+        outline_nodes += static_cast<double>(divided_polygon(polygon, size).size());
+  }
+  estimate.nodes += nodes_per_outline_node * outline_nodes;
   estimate.bytes = estimate.nodes * (bytes_per_node + factor_bytes_per_node * std::log2(std::max(estimate.nodes, 2.0)));
   return estimate;
 }

@@ -121,6 +121,28 @@ INSTANTIATE_TEST_SUITE_P(
                 "{'outline':{'rectangle':[20,20]},'structure':{'family':'IH21'},"
                 "'regions':[{'outline':[[0,0],[5,0],[5,5]],'structure':{'family':'IH99'}}]}",
                 404, "tiling.family_not_found", " /regions/0/structure/family"},
+        Refused{"part-simulations",
+                "{'part':{'outline':{'polygons':[[[0,0],[10,10],[10,0],[0,10]]]},'structure':{'family':'IH21'}},"
+                "'supports':[{'kind':'plate','side':'top'}]}",
+                422, "tiling.part", " /part/outline/polygons/0"},
+        Refused{"part-simulations",
+                "{'part':{'outline':{'block':{'width':20,'height':20}},'structure':{'family':'IH21'},"
+                "'regions':[{'outline':[[0,0],[5,0],[5,5]],'structure':{'family':'IH99'}}]}}",
+                404, "tiling.family_not_found", " /part/regions/0/structure/family"},
+        Refused{"part-simulations",
+                "{'part':{'outline':{'rectangle':[3,3]},'structure':{'family':'IH21'},'frame':3},"
+                "'supports':[{'kind':'clamp','box':[[0,0],[3,0]]},{'kind':'clamp','box':[[5,0],[6,1]]}],"
+                "'accuracy':{'mesh_size':2}}",
+                422, "simulation.invalid_load", " /supports/1/box"},
+        Refused{"part-simulations",
+                "{'part':{'outline':{'rectangle':[3,3]},'structure':{'family':'IH21'},'frame':3},"
+                "'supports':[{'kind':'plate','side':'left'},{'kind':'plate','side':'top','gap':1}],"
+                "'accuracy':{'mesh_size':2}}",
+                422, "simulation.invalid_load", " /supports"},
+        Refused{"part-simulations",
+                "{'part':{'outline':{'rectangle':[100,100]},'structure':{'family':'IH21'},'frame':50},"
+                "'supports':[{'kind':'clamp','box':[[0,0],[3,0]]}],'accuracy':{'mesh_size':0.01}}",
+                400, "request.limit_exceeded", " /accuracy/mesh_size"},
         Refused{"measured-curves", "{'text':'nothing'}", 422, "design.unreadable_table", " /text"},
         Refused{"measured-curves", "{'content':'bm90aGluZw=='}", 422, "design.unreadable_table", " /content"},
         Refused{"profiles", "{'task':'poisson','model':'ih99','parameters':[0.1]}", 404, "model.not_found", " /model"},
@@ -283,6 +305,9 @@ TEST_F(Routes, FormatsThatThereAreNotAreRefusedWithThoseThatThereAre) {
   EXPECT_EQ(detail("/v1/parts"),
             "A part is sent as application/json, image/svg+xml, image/vnd.dxf, application/dxf, model/step, model/stl "
             "or model/3mf.");
+  EXPECT_EQ(detail("/v1/part-simulations"),
+            "The simulation of a part is sent as application/json, text/csv, image/svg+xml, model/obj or "
+            "application/x-vtu+xml.");
   EXPECT_EQ(detail("/v1/weave-layouts"), "A layout is sent as application/json or image/svg+xml.");
   EXPECT_EQ(detail("/v1/weave-toolpaths"), "A toolpath is sent as application/json, text/x-gcode or image/svg+xml.");
   EXPECT_EQ(get("/v1/meshes/" + square() + "/content", png).code(), "http.not_acceptable");
