@@ -113,6 +113,8 @@ describe("the words of a job", () => {
     const round = (error: number | null, accepted: boolean) => ({ partial: { round: { target_error: error, accepted } } }) as unknown as Job;
     expect(bestWords(round(0.2, true), "")).toBe("Best so far: 20 % from the target, simulated");
     expect(bestWords(round(0.3, false), "as before")).toBe("as before");
+    const part = { number: 2, states: 10, state: { largest_strain: 0.125 } };
+    expect(bestWords({ partial: part } as unknown as Job, "")).toMatch(/^State 2 of 10, strain up to 1[23](\.\d+)? %$/);
     expect(bestWords({ partial: { iteration: 3, energy: 1.5, gradient_norm: 1 } } as unknown as Job, "")).toBe("Iteration 3, energy 1.5");
     expect(outcomeWords({ verdict: { sentence: "Reached." } }, "x")).toBe("Reached.");
     expect(outcomeWords(null, "Best so far: 20 %")).toBe("Best: 20 %");

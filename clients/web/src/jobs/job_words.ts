@@ -13,6 +13,7 @@ export const ENDPOINT_WORDS: Readonly<Record<string, string>> = {
   "/v1/family-atlases": "Atlas",
   "/v1/training-plans": "Estimate of a training",
   "/v1/trainings": "Training of a network",
+  "/v1/part-simulations": "Test of the part",
   "/v1/weave-layouts": "Layout of the weave",
   "/v1/weave-homogenizations": "Stiffness of the cell",
   "/v1/weave-simulations": "Sheet under load",
@@ -76,6 +77,7 @@ export function bestWords({ partial }: Pick<Job, "partial">, before: string): st
     return accepted && error !== null ? `Best so far: ${percent(error)} from the target, simulated` : before;
   }
   if ("achieved" in partial) return `Best so far: ${partial.family}, ${percent(partial.error.relative_rms)} from the target by the model`;
+  if ("state" in partial) return `State ${partial.number} of ${partial.states}, strain up to ${percent(partial.state.largest_strain)}`;
   return `Iteration ${partial.iteration}, energy ${digits(partial.energy, 4)}`;
 }
 
