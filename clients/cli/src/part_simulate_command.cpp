@@ -180,7 +180,8 @@ void add_part_simulate_command(CLI::App& part, const GlobalOptions& options,
       ->check(switch_values());
   command->add_option("--csv", own->csv_file, "Write the states to this file, - for the terminal");
   command->add_option("--svg", own->svg_file,
-                      "Draw the deformed part of each state, coloured by strain; several become name-0000.svg and so on");
+                      "Draw the deformed part of each state, coloured by strain; several states become name-0000.svg "
+                      "and so on");
   auto* const obj = command->add_option("--obj", own->obj_file, "Write the deformed part of each state as OBJ");
   command->add_option("--vtu", own->vtu_file, "The same as VTU")->excludes(obj);
   command->add_option("--plot", own->plot_file, "Draw force over displacement as SVG or PNG, - for the terminal (SVG)")
@@ -188,9 +189,11 @@ void add_part_simulate_command(CLI::App& part, const GlobalOptions& options,
   command->footer(
       "Examples:\n  supple part simulate IH21 --block 30x20 --strain -20% --plot force.svg\n"
       "  supple part simulate --from design.json --coupon 20x60 --strain 10% --csv force.csv --svg state.svg\n"
-      "  supple part simulate IH22 --rectangle 30x30 --frame 1 --support bottom --support top=0,-3 --stick --vtu part.vtu");
-  command->callback(
-      [&options, command, arguments = std::move(arguments), own] { simulate_part(*command, options, *arguments, *own); });
+      "  supple part simulate IH22 --rectangle 30x30 --frame 1 --support bottom --support top=0,-3 --stick \\\n"
+      "    --vtu part.vtu");
+  command->callback([&options, command, arguments = std::move(arguments), own] {
+    simulate_part(*command, options, *arguments, *own);
+  });
 }
 
 }  // namespace supple::cli

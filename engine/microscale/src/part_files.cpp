@@ -141,8 +141,8 @@ std::string write_part_svg(const tiling::PeriodicMesh& mesh, const Eigen::Matrix
   const double height = (frame.upper - frame.lower).y() + 3 * margin + (scale_height + text_distance) * places.side();
   FileText out;
   out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" width=\""
-      << number_text(width) << "mm\" height=\"" << number_text(height) << "mm\" viewBox=\"" << number_text(-margin) << " "
-      << number_text(-margin) << " " << number_text(width) << " " << number_text(height)
+      << number_text(width) << "mm\" height=\"" << number_text(height) << "mm\" viewBox=\"" << number_text(-margin)
+      << " " << number_text(-margin) << " " << number_text(width) << " " << number_text(height)
       << "\">\n<title>Deformed part</title>\n";
   for (std::size_t color = 0; color < color_count; ++color) {
     const std::string path = paths[color].take();

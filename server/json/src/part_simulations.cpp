@@ -103,7 +103,7 @@ void read_supports(Fields& fields, PartSimulationRequest& request) {
             read_part_support((*entries)[i], fields.at("supports") + "/" + std::to_string(i), fields.faults()));
     }
     if (fields.optional("strain"))
-      fields.faults().add(fields.at("strain"), R"(is for the supports that a coupon or a block has without "supports")");
+      fields.faults().add(fields.at("strain"), R"(is for what supports a coupon or a block without "supports")");
     return;
   }
   double strain = is_block ? -default_strain : default_strain;
@@ -207,7 +207,8 @@ void write_rest_mesh(JsonWriter& out, const tiling::PeriodicMesh& mesh) {
   out.end_array().end_object();
 }
 
-void write_part_accuracy(JsonWriter& out, const PartSimulationRequest& request, const PartSimulationOutcome& simulated) {
+void write_part_accuracy(JsonWriter& out, const PartSimulationRequest& request,
+                         const PartSimulationOutcome& simulated) {
   double residual = 0;
   for (const PartState& state : simulated.result.states) {
     // Unlike std::max, this keeps a value that is not a number.

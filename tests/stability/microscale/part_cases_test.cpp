@@ -46,8 +46,8 @@ Plate moving_plate(Side side, Eigen::Vector2d displacement, double gap = 0) {
   return plate;
 }
 
-/// Follows the part through its path, and checks what must hold for every equilibrium: it converged, its forces balance,
-/// and its energy is not negative.
+/// Follows the part through its path, and checks what must hold for every equilibrium: it converged, its forces
+/// balance, and its energy is not negative.
 PartSimulationResult follow_part(const tiling::PeriodicMesh& mesh, const std::vector<Support>& supports, int states) {
   PartSimulationOptions options;
   options.states = states;
@@ -160,7 +160,8 @@ TEST(PartCases, AnArchSnapsUnderAPrescribedDisplacement) {
   double largest_push = 0;
   for (const PartState& state : result.states)
     largest_push = std::max(largest_push, -state.supports[2].force.y());
-  EXPECT_GT(largest_push, -result.states[10].supports[2].force.y()) << "the force falls while the arch goes through the middle";
+  EXPECT_GT(largest_push, -result.states[10].supports[2].force.y())
+      << "the force falls while the arch goes through the middle";
 }
 
 // Hard: walls are one element wide, so that each is bent by the sides of its own triangles.

@@ -18,11 +18,14 @@ using nlohmann::json;
 using Pointers = std::vector<std::string>;
 
 const std::string part_of_sheet = R"("part":{"outline":{"rectangle":[20,30]},"structure":{"family":"IH21"}})";
-const std::string part_of_block = R"("part":{"outline":{"block":{"width":20,"height":30,"plate":2}},"structure":{"family":"IH21"}})";
+const std::string part_of_block =
+    R"("part":{"outline":{"block":{"width":20,"height":30,"plate":2}},"structure":{"family":"IH21"}})";
 const std::string part_of_coupon =
     R"("part":{"outline":{"coupon":{"width":12,"length":30,"grip_length":8}},"structure":{"family":"IH21"},"thickness":3})";
 
-PartSimulationRequest read_simulation(const std::string& fields) { return parse_part_simulation("{" + fields + "}", {}); }
+PartSimulationRequest read_simulation(const std::string& fields) {
+  return parse_part_simulation("{" + fields + "}", {});
+}
 
 Pointers faults_of_part_simulation(const std::string& fields) {
   return testing::places(testing::expect_error("request.invalid", [&] { read_simulation(fields); }));
@@ -80,7 +83,8 @@ TEST(PartSimulationRequests, PressABlockBetweenPlatesByDefault) {
   EXPECT_EQ(top.side, microscale::Side::top);
   EXPECT_EQ(top.friction, microscale::Friction::none);
   EXPECT_EQ(top.displacement, Eigen::Vector2d(0, -0.2 * 30));
-  EXPECT_EQ(std::get<Plate>(read_simulation(part_of_block + R"(,"strain":-0.05)").supports[1]).displacement, Eigen::Vector2d(0, -1.5));
+  const auto less = read_simulation(part_of_block + R"(,"strain":-0.05)");
+  EXPECT_EQ(std::get<Plate>(less.supports[1]).displacement, Eigen::Vector2d(0, -1.5));
   EXPECT_FALSE(request.options.deformed_nodes);
 }
 
@@ -101,14 +105,19 @@ TEST(PartSimulationRequests, NeedSupportsForOtherOutlines) {
   EXPECT_EQ(faults_of_part_simulation(part_of_sheet), Pointers{"/supports"});
   EXPECT_EQ(faults_of_part_simulation(part_of_sheet + R"(,"strain":0.1)"), Pointers{"/supports"});
   EXPECT_EQ(faults_of_part_simulation(part_of_block + R"(,"strain":0.1)"), Pointers{"/strain"});
-  EXPECT_EQ(faults_of_part_simulation(part_of_block + R"(,"strain":-0.1,"supports":[{"kind":"plate","side":"top"}])"), Pointers{"/strain"});
+  EXPECT_EQ(
+      faults_of_part_simulation(part_of_block + R"(,"strain":-0.1,"supports":[{"kind":"plate","side":"top"}])"),
+      Pointers{"/strain"});
   EXPECT_EQ(faults_of_part_simulation(R"("states":3)"), Pointers{"/part"});
 }
 
 TEST(PartSimulationRequests, PointToFieldsOfThePart) {
-  EXPECT_EQ(faults_of_part_simulation(R"("part":{"outline":{"block":{"width":20}},"structure":{"family":"IH21"},"axis":1,"material":{"density":1}})"),
+  EXPECT_EQ(faults_of_part_simulation(
+                R"("part":{"outline":{"block":{"width":20}},"structure":{"family":"IH21"},"axis":1,"material":{}})"),
             (Pointers{"/part/outline/block/height", "/part/axis", "/part/material"}));
-  EXPECT_EQ(faults_of_part_simulation(R"("part":{"outline":{"regions":true},"structure":{"family":"IH21"}},"supports":[{"kind":"plate","side":"top"}])"),
+  EXPECT_EQ(faults_of_part_simulation(
+                R"("part":{"outline":{"regions":true},"structure":{"family":"IH21"}},)"
+                R"("supports":[{"kind":"plate","side":"top"}])"),
             Pointers{"/part/outline/regions"});
 }
 
@@ -167,7 +176,8 @@ json part_answer(const PartSimulationRequest& request, const microscale::PartSim
 }
 
 TEST(PartSimulationAnswers, HaveTheSupportsAndTheirForces) {
-  const auto answer = part_answer(read_simulation(part_of_block), part_result(single_triangle()), microscale::PartMeshError{0.01, 0.02});
+  const auto answer = part_answer(read_simulation(part_of_block), part_result(single_triangle()),
+                                  microscale::PartMeshError{0.01, 0.02});
   EXPECT_EQ(answer["part"]["size"], (json{20, 34, 1}));
   EXPECT_EQ(answer["supports"][1]["side"], "top");
   EXPECT_EQ(answer["supports"][1]["displacement"], (json{0, -6}));
@@ -175,7 +185,9 @@ TEST(PartSimulationAnswers, HaveTheSupportsAndTheirForces) {
   const auto& supports = answer["states"][0]["supports"];
   EXPECT_EQ(supports[0]["force"], (json{1, 2}));
   EXPECT_TRUE(supports[0]["pressure"].is_null());
-  EXPECT_EQ(supports[1]["pressure"], (json{{"length", 1}, {"positions", json::array({0.5})}, {"values", json::array({3})}}));
+  EXPECT_EQ(supports[1]["pressure"]["length"], 1);
+  EXPECT_EQ(supports[1]["pressure"]["positions"], json::array({0.5}));
+  EXPECT_EQ(supports[1]["pressure"]["values"], json::array({3}));
   EXPECT_EQ(answer["accuracy"]["discretization_error"], (json{{"force", 0.01}, {"energy", 0.02}}));
   EXPECT_FALSE(answer.contains("mesh"));
   EXPECT_FALSE(answer["states"][0].contains("svg"));
@@ -206,16 +218,18 @@ TEST(PartSimulationAnswers, HaveDeformedPartsAsTheRequestAsks) {
   EXPECT_NEAR(deformed["points"][1][0].get<double>(), 1.1 * as_json["mesh"]["points"][1][0].get<double>(), 1e-12);
   ASSERT_EQ(deformed["strains"].size(), mesh.triangles.size());
   EXPECT_NEAR(deformed["strains"][0].get<double>(), 0.1, 1e-12);
-  EXPECT_EQ(part_answer(read_simulation(part_of_block + R"(,"deformed":"obj")"), result)["states"][0]["obj"].get<std::string>().find("o part"),
-            0U);
-  const auto as_vtu = part_answer(read_simulation(part_of_block + R"(,"deformed":"vtu","svg":true)"), result)["states"][0];
+  const auto as_obj = part_answer(read_simulation(part_of_block + R"(,"deformed":"obj")"), result);
+  EXPECT_TRUE(as_obj["states"][0]["obj"].get<std::string>().starts_with("o part"));
+  const auto with_files = part_answer(read_simulation(part_of_block + R"(,"deformed":"vtu","svg":true)"), result);
+  const auto& as_vtu = with_files["states"][0];
   EXPECT_NE(as_vtu["vtu"].get<std::string>().find("largest_strain"), std::string::npos);
   EXPECT_NE(as_vtu["svg"].get<std::string>().find("<svg"), std::string::npos);
 }
 
 TEST(PartSimulationAnswers, TellTheLatestStateWithoutItsPoints) {
-  const auto partial = json::parse(
-      write_partial_part_simulation(read_simulation(part_of_block + R"(,"deformed":"json","states":5)"), 2, part_result(single_triangle()).states[0]));
+  const auto request = read_simulation(part_of_block + R"(,"deformed":"json","states":5)");
+  const auto partial =
+      json::parse(write_partial_part_simulation(request, 2, part_result(single_triangle()).states[0]));
   EXPECT_EQ(partial["number"], 2);
   EXPECT_EQ(partial["states"], 5);
   EXPECT_EQ(partial["state"]["share"], 0.5);

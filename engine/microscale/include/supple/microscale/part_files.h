@@ -32,9 +32,9 @@ std::string write_part_svg(const tiling::PeriodicMesh& mesh, const Eigen::Matrix
 /// back as the same doubles. O(n).
 std::string write_part_obj(const tiling::PeriodicMesh& mesh, const Eigen::Matrix2Xd& displacements);
 
-/// The states as a table (CSV), one line each, counted from 0: the share of the path, the displacement, force and number
-/// of touching nodes of each support k (displacement_x_k, ..., touching_k), energy (N mm), largest_strain, contacts,
-/// stable, branch, stopped, residual (empty if it is not finite), iterations and load_steps.
+/// The states as a table (CSV), one line each, counted from 0: the share of the path, the displacement, force and
+/// number of touching nodes of each support k (displacement_x_k, ..., touching_k), energy (N mm), largest_strain,
+/// contacts, stable, branch, stopped, residual (empty if it is not finite), iterations and load_steps.
 std::string write_part_csv(const std::vector<PartState>& states);
 
 }  // namespace supple::microscale

@@ -119,8 +119,8 @@ struct PartSimulationResult {
 /// two plates along one side, supports that run into each other, supports that leave a rigid motion. A path that cannot
 /// be followed to its end is no error: the last state says why.
 ///
-/// Bills the stages "assembly", "factorization", "solve" and "contact search", and the effects "contact" and "buckling".
-/// Reports progress by the fraction.
+/// Bills the stages "assembly", "factorization", "solve" and "contact search", and the effects "contact" and
+/// "buckling". Reports progress by the fraction.
 PartSimulationResult simulate_part(const tiling::PeriodicMesh& mesh, const std::vector<Support>& supports,
                                    const PartSimulationOptions& options = {}, const Execution& execution = {},
                                    const std::function<void(const PartState&)>& on_state = {});

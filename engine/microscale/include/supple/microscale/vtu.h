@@ -14,8 +14,8 @@ namespace supple::microscale {
 /// `unwrapped` is unwrap(*deformed.mesh). Numbers are read back as the same doubles. A point takes about 250 bytes.
 std::string write_vtu(const UnwrappedMesh& unwrapped, const DeformedMesh& deformed, const Material& material);
 
-/// Writes a deformed part likewise. `displacements` are those of the mesh's nodes, mm. The cell data "largest_strain" is
-/// that of `triangle_strains`.
+/// Writes a deformed part likewise. `displacements` are those of the mesh's nodes, mm. The cell data "largest_strain"
+/// is that of `triangle_strains`.
 std::string write_part_vtu(const tiling::PeriodicMesh& mesh, const Eigen::Matrix2Xd& displacements,
                            const Material& material);
 

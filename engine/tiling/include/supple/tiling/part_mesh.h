@@ -14,8 +14,8 @@ struct PartMeshEstimate {
   double bytes = 0;  ///< memory of mesh and simulation, most of which is the factorization of the stiffness
 };
 
-/// Estimates the mesh of a solid. It is meant as an upper bound that is rarely exceeded. Beyond `options.max_nodes` it is
-/// rough, and less. O(n) for n points of the divided outline, of which there are at most max_nodes.
+/// Estimates the mesh of a solid. It is meant as an upper bound that is rarely exceeded. Beyond `options.max_nodes` it
+/// is rough. O(n) for n points of the divided outline, of which there are at most max_nodes.
 PartMeshEstimate estimate_part_mesh(const std::vector<SolidFace>& faces, double beam_width, const MeshOptions& options);
 
 /// Meshes the solid of a part, which is not periodic, with quadratic triangles. Their sides have the length that
