@@ -425,8 +425,8 @@ def simulation_of_a_patch(meshes: Meshes, more: Dict[str, Any]) -> Costly:
 @costly
 def part_of_many_cells_under_plates(meshes: Meshes, more: Dict[str, Any]) -> Costly:
     return post("/v1/part-simulations", {
-        "part": {"outline": {"block": {"width": 60, "height": 60}}, "structure": {"family": "IH21"}}, "states": 1000, "strain": -0.5,
-        "accuracy": {"mesh_size": 0.5, "tolerance": 1e-12, "max_iterations": 10_000, "max_load_step": 1e-5},
+        "part": {"outline": {"block": {"width": 30, "height": 30}}, "structure": {"family": "IH21"}}, "states": 1000, "strain": -0.5,
+        "accuracy": {"mesh_size": 0.7, "tolerance": 1e-12, "max_iterations": 10_000, "max_load_step": 1e-5},
         "effects": {"contact": "on", "buckling": "on", "error_estimate": "on"}, **more})
 
 
@@ -434,7 +434,7 @@ def part_of_many_cells_under_plates(meshes: Meshes, more: Dict[str, Any]) -> Cos
 def pictures_of_a_part_in_many_states(meshes: Meshes, more: Dict[str, Any]) -> Costly:
     return post("/v1/part-simulations", {
         "part": {"outline": {"coupon": {"width": 6, "length": 6, "grip_length": 1}}, "structure": {"family": "IH01"}, "frame": 6},
-        "states": 1000, "strain": 1, "deformed": "vtu", "svg": True, "accuracy": {"mesh_size": 0.8}, **more})
+        "states": 1000, "strain": 1, "deformed": "vtu", "svg": True, "accuracy": {"mesh_size": 2}, **more})
 
 
 @costly
