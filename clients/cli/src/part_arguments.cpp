@@ -131,28 +131,27 @@ nlohmann::json part_request(const CLI::App& command, const PartArguments& argume
 void add_part_options(CLI::App& command, PartArguments& arguments) {
   command.add_option("family", arguments.family, "Family of the tiling, see supple families");
   command.add_option("-p,--parameters", arguments.parameters,
-                      "Parameters, separated by commas (the family's defaults)");
+                     "Parameters, separated by commas (the family's defaults)");
   add_outline_options(command, arguments);
   command.add_option("--request", arguments.request_file,
-                      "A request as JSON: polygons, regions; options given besides take their fields' place");
+                     "A request as JSON: polygons, regions; options given besides take their fields' place");
   command
       .add_option("--beam-width", arguments.beam_width,
-                   "Width of the beams in mm, with which the structure scales (0.3)")
+                  "Width of the beams in mm, with which the structure scales (0.3)")
       ->transform(quantity(Dimension::length))
       ->check(CLI::PositiveNumber);
   command.add_option("--orientation", arguments.orientation,
-                      "Angle by which the tiling is turned, for example 30deg (0)");
+                     "Angle by which the tiling is turned, for example 30deg (0)");
   command.add_option(
       "--direction", arguments.direction,
       "Direction of the design along which the part is loaded: it comes to lie along y in a coupon or a block, and "
       "along --axis otherwise (none: nothing is turned)");
-  command.add_option(
-      "--axis", arguments.axis,
-      "Direction in a drawing or a sheet along which the part will be loaded, for example 90deg (none)");
+  command.add_option("--axis", arguments.axis,
+                     "Direction in a drawing or a sheet along which the part will be loaded, for example 90deg (none)");
   command
       .add_option("--from,--design", arguments.design_file,
-                   "A design as supple design --json prints it: its structure, width of beams, density, orientation "
-                   "and, if it is loaded along one direction, that direction")
+                  "A design as supple design --json prints it: its structure, width of beams, density, orientation "
+                  "and, if it is loaded along one direction, that direction")
       ->excludes("family")
       ->excludes("--parameters");
   command.add_option("--frame", arguments.frame, "Width of a solid rim in mm (0)")
@@ -163,7 +162,7 @@ void add_part_options(CLI::App& command, PartArguments& arguments) {
       ->check(CLI::NonNegativeNumber);
   command
       .add_option("--smallest-wall", arguments.smallest_wall,
-                   "Narrower walls are left out and necks widened to it, mm (two thirds of the beams)")
+                  "Narrower walls are left out and necks widened to it, mm (two thirds of the beams)")
       ->transform(quantity(Dimension::length))
       ->check(CLI::NonNegativeNumber);
   command.add_option("--thickness", arguments.thickness, "Thickness in mm (1)")

@@ -77,8 +77,7 @@ std::string write_grid(const MovedGrid& grid, const Material& material, const st
       << std::to_string(grid.triangles.size()) << "\">\n";
   out << "<PointData Vectors=\"displacement\">\n";
   out.open_array("Float64", "displacement", 3);
-  for (Eigen::Index i = 0; i < grid.rest.cols(); ++i)
-    out.point(Eigen::Vector2d(grid.moved.col(i) - grid.rest.col(i)));
+  for (Eigen::Index i = 0; i < grid.rest.cols(); ++i) out.point(Eigen::Vector2d(grid.moved.col(i) - grid.rest.col(i)));
   out.close_array() << "</PointData>\n<CellData Scalars=\"energy_density\">\n";
   out.open_array("Float64", "energy_density");
   for (const auto& triangle : grid.triangles) {

@@ -81,8 +81,7 @@ PartMeshEstimate estimate_part_mesh(const std::vector<SolidFace>& faces, double 
   if (estimate.nodes + nodes_per_outline_node * outline_nodes <= options.max_nodes) {
     outline_nodes = 0;
     for (const SolidFace& face : faces)
-      for (const Polygon& polygon : face)
-        outline_nodes += static_cast<double>(divided_polygon(polygon, size).size());
+      for (const Polygon& polygon : face) outline_nodes += static_cast<double>(divided_polygon(polygon, size).size());
   }
   estimate.nodes += nodes_per_outline_node * outline_nodes;
   estimate.bytes = estimate.nodes * (bytes_per_node + factor_bytes_per_node * std::log2(std::max(estimate.nodes, 2.0)));

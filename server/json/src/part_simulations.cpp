@@ -28,8 +28,8 @@ constexpr double min_pressure_length = 0.01;  // mm
 
 /// The strain at the end of the path to which a coupon is stretched, and with the other sign a block is pressed.
 constexpr double default_strain = 0.2;
-/// By how much the boxes of default clamps are larger than the grips, mm: grips without a length are lines, and the
-/// coordinates of parts are rounded.
+/// The boxes of default clamps are larger than the grips by this much, mm, because grips without a length are lines
+/// and the coordinates of parts are rounded.
 constexpr double clamp_margin = 1e-6;
 
 void read_displacement(Fields& fields, Eigen::Vector2d& displacement) {
@@ -148,8 +148,7 @@ struct DeformedWriter {
   microscale::PictureFrame frame{};
 
   void write(JsonWriter& out, const PartState& state) const {
-    if (request.deformed == DeformedPart::obj)
-      out.field("obj", microscale::write_part_obj(mesh, state.displacements));
+    if (request.deformed == DeformedPart::obj) out.field("obj", microscale::write_part_obj(mesh, state.displacements));
     if (request.deformed == DeformedPart::vtu)
       out.field("vtu", microscale::write_part_vtu(mesh, state.displacements, request.options.material));
     if (request.deformed == DeformedPart::json) {
@@ -234,17 +233,17 @@ void write_part_accuracy(JsonWriter& out, const PartSimulationRequest& request,
 
 PartSimulationRequest parse_part_simulation(std::string_view body, const Limits& limits,
                                             const CancellationToken& cancellation) {
-  return read_request<PartSimulationRequest>(
-      body, limits, cancellation, [&](Fields& fields, PartSimulationRequest& request) {
-        if (const auto* value = fields.required("part")) {
-          Fields part(*value, fields.at("part"), fields.faults());
-          read_part(part, limits, request.part);
-          part.finish();
-        }
-        read_supports(fields, request);
-        request.mesh.max_nodes = limits.max_part_nodes;
-        read_part_options(fields, limits, request);
-      });
+  return read_request<PartSimulationRequest>(body, limits, cancellation,
+                                             [&](Fields& fields, PartSimulationRequest& request) {
+                                               if (const auto* value = fields.required("part")) {
+                                                 Fields part(*value, fields.at("part"), fields.faults());
+                                                 read_part(part, limits, request.part);
+                                                 part.finish();
+                                               }
+                                               read_supports(fields, request);
+                                               request.mesh.max_nodes = limits.max_part_nodes;
+                                               read_part_options(fields, limits, request);
+                                             });
 }
 
 std::string write_part_simulation(const PartSimulationRequest& request, const PartSimulationOutcome& simulated,

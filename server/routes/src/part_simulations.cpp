@@ -92,11 +92,10 @@ void check_estimate(const PreparedPart& prepared, const tiling::PartMeshEstimate
   if (!prepared.memory) return;
   const auto max_bytes = static_cast<double>(prepared.memory->max_per_request());
   if (estimate.bytes > max_bytes)
-    problem::throw_limit(
-        "request.too_much_memory",
-        "The memory in bytes that a mesh of about " + std::to_string(std::llround(nodes)) +
-            " nodes needs, as it is estimated,",
-        max_bytes, std::round(estimate.bytes), "--max-request-memory", pointer);
+    problem::throw_limit("request.too_much_memory",
+                         "The memory in bytes that a mesh of about " + std::to_string(std::llround(nodes)) +
+                             " nodes needs, as it is estimated,",
+                         max_bytes, std::round(estimate.bytes), "--max-request-memory", pointer);
 }
 
 /// Throws "request.limit_exceeded" if deformed parts would be too large an answer.

@@ -53,9 +53,8 @@ tiling::PartDesign part_design(const json::PartRequest& request, const Loader& l
 PointerMap part_pointers(const std::string& base) {
   // The outline's polygons are an array in the engine and a field of the outline in requests, and so are its solids.
   const auto polygon = [base](std::size_t i) { return base + "/outline/polygons/" + std::to_string(i); };
-  return PointerMap(base,
-                    {{.field = "outline", .pointer_of_entry = polygon},
-                     {.field = "solids", .pointer = base + "/outline", .rest = FieldPlace::Rest::dropped}});
+  return PointerMap(base, {{.field = "outline", .pointer_of_entry = polygon},
+                           {.field = "solids", .pointer = base + "/outline", .rest = FieldPlace::Rest::dropped}});
 }
 
 tiling::Part make_part_billed(const tiling::PartDesign& design, const std::string& base, const Execution& execution) {

@@ -131,8 +131,7 @@ TEST(PartCases, ACrumbThatOneNodeHoldsEndsWithAnAnswer) {
   Clamp foot;
   foot.lower = {-1, -1};
   foot.upper = {2, 0};
-  const PartSimulationResult result =
-      simulate_part(mesh, {foot, moving_plate(Side::right, {-0.02, 0})}, options);
+  const PartSimulationResult result = simulate_part(mesh, {foot, moving_plate(Side::right, {-0.02, 0})}, options);
   ASSERT_FALSE(result.states.empty());
   EXPECT_TRUE(result.states.back().stopped == PartStop::converged || !result.message.empty());
 }
@@ -158,8 +157,7 @@ TEST(PartCases, AnArchSnapsUnderAPrescribedDisplacement) {
   crown.displacement = {0, -2 * rise};
   const PartSimulationResult result = follow_part(mesh, {left, right, crown}, 20);
   double largest_push = 0;
-  for (const PartState& state : result.states)
-    largest_push = std::max(largest_push, -state.supports[2].force.y());
+  for (const PartState& state : result.states) largest_push = std::max(largest_push, -state.supports[2].force.y());
   EXPECT_GT(largest_push, -result.states[10].supports[2].force.y())
       << "the force falls while the arch goes through the middle";
 }

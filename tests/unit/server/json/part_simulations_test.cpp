@@ -35,9 +35,9 @@ Pointers faults_of_support(const std::string& support) {
 }
 
 TEST(PartSimulationRequests, ReadEveryField) {
-  const auto request = read_simulation(
-      part_of_sheet +
-      R"(,"material":{"law":"incompressible_plane_stress","youngs_modulus":2,"poisson_ratio":0.3},
+  const auto request =
+      read_simulation(part_of_sheet +
+                      R"(,"material":{"law":"incompressible_plane_stress","youngs_modulus":2,"poisson_ratio":0.3},
           "supports":[{"kind":"clamp","box":[[-1,-2],[21,1]]},
                       {"kind":"plate","side":"top","gap":0.5,"friction":"stick","displacement":[1,-3]}],
           "states":7,"deformed":"vtu","svg":true,
@@ -105,9 +105,8 @@ TEST(PartSimulationRequests, NeedSupportsForOtherOutlines) {
   EXPECT_EQ(faults_of_part_simulation(part_of_sheet), Pointers{"/supports"});
   EXPECT_EQ(faults_of_part_simulation(part_of_sheet + R"(,"strain":0.1)"), Pointers{"/supports"});
   EXPECT_EQ(faults_of_part_simulation(part_of_block + R"(,"strain":0.1)"), Pointers{"/strain"});
-  EXPECT_EQ(
-      faults_of_part_simulation(part_of_block + R"(,"strain":-0.1,"supports":[{"kind":"plate","side":"top"}])"),
-      Pointers{"/strain"});
+  EXPECT_EQ(faults_of_part_simulation(part_of_block + R"(,"strain":-0.1,"supports":[{"kind":"plate","side":"top"}])"),
+            Pointers{"/strain"});
   EXPECT_EQ(faults_of_part_simulation(R"("states":3)"), Pointers{"/part"});
 }
 
@@ -115,9 +114,8 @@ TEST(PartSimulationRequests, PointToFieldsOfThePart) {
   EXPECT_EQ(faults_of_part_simulation(
                 R"("part":{"outline":{"block":{"width":20}},"structure":{"family":"IH21"},"axis":1,"material":{}})"),
             (Pointers{"/part/outline/block/height", "/part/axis", "/part/material"}));
-  EXPECT_EQ(faults_of_part_simulation(
-                R"("part":{"outline":{"regions":true},"structure":{"family":"IH21"}},)"
-                R"("supports":[{"kind":"plate","side":"top"}])"),
+  EXPECT_EQ(faults_of_part_simulation(R"("part":{"outline":{"regions":true},"structure":{"family":"IH21"}},)"
+                                      R"("supports":[{"kind":"plate","side":"top"}])"),
             Pointers{"/part/outline/regions"});
 }
 
@@ -163,7 +161,7 @@ microscale::PartSimulationResult part_result(const tiling::PeriodicMesh& mesh) {
 }
 
 json part_answer(const PartSimulationRequest& request, const microscale::PartSimulationResult& result,
-               const std::optional<microscale::PartMeshError>& error = std::nullopt) {
+                 const std::optional<microscale::PartMeshError>& error = std::nullopt) {
   tiling::Part part;
   part.lower = {0, 0};
   part.upper = {20, 34};
@@ -228,8 +226,7 @@ TEST(PartSimulationAnswers, HaveDeformedPartsAsTheRequestAsks) {
 
 TEST(PartSimulationAnswers, TellTheLatestStateWithoutItsPoints) {
   const auto request = read_simulation(part_of_block + R"(,"deformed":"json","states":5)");
-  const auto partial =
-      json::parse(write_partial_part_simulation(request, 2, part_result(single_triangle()).states[0]));
+  const auto partial = json::parse(write_partial_part_simulation(request, 2, part_result(single_triangle()).states[0]));
   EXPECT_EQ(partial["number"], 2);
   EXPECT_EQ(partial["states"], 5);
   EXPECT_EQ(partial["state"]["share"], 0.5);
