@@ -9,6 +9,7 @@ from ._arrays import Array, Indices
 from .answers import Cost
 from .request import Deadline, Reported, Request, Timeout
 from .shown import Shown
+from .units import DURATION, RATIO, Number
 from .wire import At
 
 
@@ -77,14 +78,14 @@ class TrainingPlanRequest(Request[TrainingPlan], path="/v1/training-plans"):
 
     Attributes:
         family: id of a family of the server or of one's own.
-        core_seconds: seconds of one core for all simulations and trainings, 60 to 1e7.
-        error: mean error at which no more designs are simulated, 0 to 0.5; None never ends earlier.
+        core_seconds: seconds of one core for all simulations and trainings, 60 to 1e7, or a text with a unit like "5h".
+        error: mean error at which no more designs are simulated, 0 to 0.5, or a text like "2%"; None never ends earlier.
         seed: of the designs and loads; None takes 1.
     """
 
     family: str
-    core_seconds: Annotated[float, At("/budget/core_seconds")]
-    error: Annotated[Optional[float], At("/accuracy/error")] = None
+    core_seconds: Annotated[Number, At("/budget/core_seconds"), DURATION]
+    error: Annotated[Optional[Number], At("/accuracy/error"), RATIO] = None
     seed: Optional[int] = None
     deadline: Deadline = None
     timeout: Timeout = None
@@ -102,8 +103,8 @@ class TrainingRequest(Request[Training], path="/v1/trainings"):
     """
 
     family: str
-    core_seconds: Annotated[float, At("/budget/core_seconds")]
-    error: Annotated[Optional[float], At("/accuracy/error")] = None
+    core_seconds: Annotated[Number, At("/budget/core_seconds"), DURATION]
+    error: Annotated[Optional[Number], At("/accuracy/error"), RATIO] = None
     seed: Optional[int] = None
     deadline: Deadline = None
     timeout: Timeout = None

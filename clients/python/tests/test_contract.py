@@ -212,6 +212,8 @@ SAMPLES: List[Request[Any]] = [
     supple.FamilyAtlasRequest("IH21", samples=16, mesh_size=0.5, error_samples=2, crossings=False, recompute=True),
     supple.FamilyAtlasRequest(isohedral_type=16),
     supple.FamilyAtlasRequest(definition={"id": "own", "description": "Hexagons", "parameters": [], "beam_width": 0.1, "isohedral_type": 20}),
+    supple.TrainingPlanRequest("IH21", "3h", "2%", 2),
+    supple.TrainingRequest("IH21", 10_800, 0.02, 2),
     supple.StructureRequest("IH21", [0.1, 0.5], 0.4, 0.5, 0.1, "tile"),
     supple.StructureFileRequest("IH21", None, "stl", (1, 3), 5.0),
     *(supple.SimulationRequest("IH21", [0.1], load, {"law": "neo_hookean"}, 0.5, 0.1, "cell", 0.1, 1e-6, 0.1, 9, "on", "off", "on",

@@ -208,8 +208,9 @@ def test_stress_along_the_load_is_drawn_over_the_strain_along_it() -> None:
 
 def test_every_result_of_the_package_is_shown_in_its_own_way() -> None:
     from supple.shown import Shown
+    from supple.wire import Sent
 
     results = [getattr(supple, name) for name in supple.__all__]
     answers = [one for one in results if isinstance(one, type) and one.__module__.endswith(("answers", "simulations", "tilings"))]
     assert len(answers) > 50
-    assert [one.__name__ for one in answers if not issubclass(one, (Shown, supple.Request))] == []
+    assert [one.__name__ for one in answers if not issubclass(one, (Shown, Sent, supple.Request))] == []

@@ -23,7 +23,7 @@ tiling::PeriodicMesh lone_square() {
 }
 
 /// Displacements of the nodes that stretch everything along x.
-Eigen::Matrix2Xd stretched(const tiling::PeriodicMesh& mesh, double strain) {
+Eigen::Matrix2Xd displacements_when_stretched(const tiling::PeriodicMesh& mesh, double strain) {
   Eigen::Matrix2Xd displacements = Eigen::Matrix2Xd::Zero(2, mesh.nodes.cols());
   displacements.row(0) = strain * mesh.nodes.row(0);
   return displacements;
@@ -31,7 +31,7 @@ Eigen::Matrix2Xd stretched(const tiling::PeriodicMesh& mesh, double strain) {
 
 PartState stretched_state(const tiling::PeriodicMesh& mesh, double strain) {
   PartState state;
-  state.displacements = stretched(mesh, strain);
+  state.displacements = displacements_when_stretched(mesh, strain);
   state.supports.resize(2);
   return state;
 }
@@ -57,13 +57,14 @@ TEST(PartFiles, APartAtRestHasAScaleThatIsNotEmpty) {
   const auto mesh = lone_square();
   const PictureFrame frame = picture_frame(mesh, {stretched_state(mesh, 0)});
   EXPECT_GT(frame.full_strain, 0);
-  EXPECT_NE(write_part_svg(mesh, stretched(mesh, 0), frame).find("rgb(32,18,77)"), std::string::npos);
+  EXPECT_NE(write_part_svg(mesh, displacements_when_stretched(mesh, 0), frame).find("rgb(32,18,77)"),
+            std::string::npos);
 }
 
 TEST(PartFiles, APictureHasEachTriangleInTheColourOfItsStrain) {
   const auto mesh = lone_square();
   const PictureFrame frame = picture_frame(mesh, {stretched_state(mesh, 0.5)});
-  const std::string svg = write_part_svg(mesh, stretched(mesh, 0.5), frame);
+  const std::string svg = write_part_svg(mesh, displacements_when_stretched(mesh, 0.5), frame);
   EXPECT_EQ(count_of(svg, "Z\n"), mesh.triangles.size());
   EXPECT_EQ(count_of(svg, "<path"), 1U) << "all triangles have the same strain";
   EXPECT_NE(svg.find("<path fill=\"rgb(245,228,60)\""), std::string::npos) << "the last colour";
@@ -73,7 +74,7 @@ TEST(PartFiles, APictureHasEachTriangleInTheColourOfItsStrain) {
 
 TEST(PartFiles, AnObjHasFourTrianglesForEachQuadraticOne) {
   const auto mesh = lone_square();
-  std::istringstream lines(write_part_obj(mesh, stretched(mesh, 0.5)));
+  std::istringstream lines(write_part_obj(mesh, displacements_when_stretched(mesh, 0.5)));
   Eigen::Index vertices = 0;
   std::vector<Eigen::Vector2d> points;
   double area = 0;
@@ -100,7 +101,7 @@ TEST(PartFiles, AnObjHasFourTrianglesForEachQuadraticOne) {
 
 TEST(PartFiles, AVtuHasTheStrainOfEachTriangle) {
   const auto mesh = lone_square();
-  const std::string vtu = write_part_vtu(mesh, stretched(mesh, 0.25), {});
+  const std::string vtu = write_part_vtu(mesh, displacements_when_stretched(mesh, 0.25), {});
   EXPECT_NE(vtu.find("NumberOfCells=\"" + std::to_string(mesh.triangles.size()) + "\""), std::string::npos);
   const auto begin = vtu.find('>', vtu.find("Name=\"largest_strain\""));
   std::istringstream numbers(vtu.substr(begin + 1, vtu.find("</DataArray>", begin) - begin - 1));
