@@ -43,7 +43,7 @@ ROOMS = {
     "server/trainings": {"base", "trainings"},
     "server/jobs": {"base", "problem", "budget", "log", "store", "jobs"},
     "server/routes": {"base", "surface", "embedded", "voronoi", "outlines", "tiling", "microscale", "weave", "neural", "design", "problem", "budget", "access", "http",
-                      "json", "store", "metrics", "jobs", "routes"},
+                      "json", "store", "metrics", "jobs", "trainings", "routes"},
     "clients": set(),
 }
 

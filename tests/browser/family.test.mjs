@@ -296,7 +296,7 @@ describe("an atlas", () => {
     }));
 });
 
-const ESTIMATE = { simulation: 9000, training: 3000 };
+const ESTIMATE = { simulation: 9000, training: 3000, designs: 1800, chosen_designs: 900 };
 const COST = { seconds: 1, stages: [], quantities: {} };
 
 /** A family that the server has, so that it may be trained. */
@@ -326,7 +326,7 @@ describe("a training", () => {
     withStored(async (family, page) => {
       await page.route("**/v1/training-plans", (route) => route.fulfill({ json: { family: "slanted", estimate: ESTIMATE, effects: [], cost: COST } }));
       await family.button("Estimate").click();
-      await page.locator(".plan", { hasText: "About 3.3 h of one core: 2.5 h for simulations and 50 min for networks." }).waitFor();
+      await page.locator(".plan", { hasText: "About 3.3 h of one core: 2.5 h for simulations of 1,800 designs and 50 min for networks." }).waitFor();
       const job = { id: "t1", kind: "trainings", state: "running", progress: 0.4, stage: "committee", priority: "background", created: "2026-01-01T00:00:00Z", deadline: 9, remaining_seconds: 4000 };
       job.partial = { family: "slanted", errors: [{ designs: 60, error: 0.12 }, { designs: 90, error: 0.07 }] };
       const requests = [];

@@ -123,6 +123,8 @@ def add_targets(plan: Plan, graph: Graph, path: str, root: Path) -> None:
             plan.add("deploy", files_about(root, "tests/deploy", "test_*.py", words))
             plan.add("browser", files_about(root, "tests/browser", "*.test.mjs", words))
             plan.add("docs", pages_about(root, words))
+    if "supple-lab" in affected:
+        plan.add("api", {"test_trainings.py"})
     if "supple" in affected:
         plan.add("api")
         plan.add("docs")

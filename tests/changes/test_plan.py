@@ -134,10 +134,10 @@ def test_a_deleted_file_runs_what_its_folder_runs(graph: Graph) -> None:
     assert plan_of({"server/unknown_room/src/gone.cpp"}, lambda: graph).parts["api"] is None
 
 
-def test_the_cli_and_training_run_no_tests_of_the_server_alone(graph: Graph) -> None:
+def test_the_cli_and_training_run_no_tests_of_the_server_but_those_that_train(graph: Graph) -> None:
     assert set(plan_of({"clients/cli/src/main.cpp"}, lambda: graph).parts) == {"api", "docs", "tidy"}
     training = plan_of({"engine/training/src/trainer.cpp"}, lambda: graph).parts
-    assert "api" not in training and "asan" not in training and training["unit"] == {"unit_training"}
+    assert training["api"] == {"test_trainings.py"} and "asan" not in training and training["unit"] == {"unit_training", "unit_learning"}
 
 
 def test_a_room_that_only_its_own_requests_reach_leaves_out_files_about_other_subjects(graph: Graph) -> None:

@@ -172,7 +172,9 @@ describe("a training", () => {
 
   it("tells its plan, its stage, the errors that it has reached, and its outcome", () => {
     expect([90, 3600, 14_400].map(coreTimeWords)).toEqual(["2 min", "1 h", "4 h"]);
-    expect(planSentence({ estimate: { simulation: 7200, training: 1800 } })).toBe("About 2.5 h of one core: 2 h for simulations and 30 min for networks.");
+    expect(planSentence({ estimate: { simulation: 7200, training: 1800, designs: 1440, chosen_designs: 720 } })).toBe(
+      "About 2.5 h of one core: 2 h for simulations of 1,440 designs and 30 min for networks.",
+    );
     expect(stageWords("committee")).toBe("Training: small networks choose designs");
     expect(stageWords("")).toBe("Training");
     const partial = { family: "arches", errors: [{ designs: 60, error: 0.08 }, { designs: 90, error: 0.051 }] };

@@ -69,7 +69,7 @@ LearningPlan plan_within(double core_seconds, double design_seconds, int states,
         " s each, and their training; there are " + number_text(core_seconds);
     throw Error("training.small_budget", message + ".", {{"budget/core_seconds", message}});
   }
-  // As many designs as their share of the time and the training of the cheapest plan allow.
+  // The largest number of designs that their fraction of the time and the training of the cheapest plan allow.
   std::int64_t designs = min_designs;
   std::int64_t too_many = max_designs + 1;
   while (too_many - designs > 1) {

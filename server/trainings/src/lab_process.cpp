@@ -126,7 +126,7 @@ class Child {
   pid_t id_ = -1;
 };
 
-/// Cuts what comes into lines. Of a line that is too long only the beginning is handed on.
+/// Cuts what comes into lines. Only the beginning of a line that is too long is handed on.
 class LineCutter {
  public:
   explicit LineCutter(const std::function<void(std::string_view)>& on_line) : on_line_(on_line) {}

@@ -21,8 +21,9 @@ export function coreTimeWords(seconds: number): string {
   return hours >= 1 ? `${digits(hours, 2)} h` : `${Math.max(1, Math.round(seconds / 60))} min`;
 }
 
-export function planSentence({ estimate: { simulation, training } }: Pick<TrainingPlan, "estimate">): string {
-  return `About ${coreTimeWords(simulation + training)} of one core: ${coreTimeWords(simulation)} for simulations and ${coreTimeWords(training)} for networks.`;
+export function planSentence({ estimate: { simulation, training, designs } }: Pick<TrainingPlan, "estimate">): string {
+  const simulations = `${coreTimeWords(simulation)} for simulations of ${designs.toLocaleString("en")} designs`;
+  return `About ${coreTimeWords(simulation + training)} of one core: ${simulations} and ${coreTimeWords(training)} for networks.`;
 }
 
 export function outcomeSentence({ model, error, designs }: Pick<Training, "model" | "error" | "designs">): string {

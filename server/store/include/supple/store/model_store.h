@@ -27,15 +27,15 @@ struct LoadedModel {
   neural::Evaluator evaluator;
   design::Candidates candidates;
   std::shared_ptr<const tiling::Family> family;
-  /// Of whom it is, as `ModelStore::mark_of` gives it; empty for a model of everyone.
+  /// The mark of its owner (`ModelStore::mark_of`); empty for a model of everyone.
   std::string owner{};
   std::string sha256;       ///< SHA-256 of the file, hexadecimal
   std::string description;  ///< the JSON that clients get
 };
 
-/// The models of a folder, which everyone sees, and of a second one, in which each file belongs to an owner: their
+/// The models of a folder, which everyone sees, and of a second one, in which each file belongs to an owner. Their
 /// files
-/// "*.h5", read at the start and again whenever they change.
+/// "*.h5" are read at the start and again whenever they change.
 ///
 /// One thread scans the folder every `period`, and compares inode numbers, sizes and times. It alone reads model files,
 /// for HDF5 is not thread safe; helper processes parse them where there are any. A file that cannot be read is
@@ -47,8 +47,8 @@ class ModelStore {
   enum class Level { info, warning };
   struct Options {
     std::filesystem::path folder;  ///< of the models of everyone; empty or missing: none
-    /// Of the models that have an owner, whose mark is the beginning of the file's name: "0123456789abcdef-ID.h5".
-    /// Empty or missing: none.
+    /// The folder of models that have an owner, whose mark is the beginning of the file's name:
+    /// "0123456789abcdef-ID.h5". Empty or missing: none.
     std::filesystem::path own_folder{};
     std::chrono::milliseconds period{2000};
     std::int64_t max_file_bytes = 256LL << 20;  ///< bytes; larger files count as damaged; setting --max-model
