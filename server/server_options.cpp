@@ -169,8 +169,9 @@ void add_limits(CLI::App& app, ServerOptions& options) {
       ->transform(CLI::AsSizeValue(false));
   group->add_option("--max-jobs", options.jobs.max_jobs, "Finished jobs that are kept");
   group
-      ->add_option("--max-attempts", options.jobs.max_attempts,
-                   "Attempts to run a job that the server ends in without being told to")
+      ->add_option(
+          "--max-attempts", options.jobs.max_attempts,
+          "Attempts to run a job that the server ends in without being told to, since the job last saved something")
       ->check(CLI::Range(1, 1000));
   group->add_option("--retention", options.jobs.retention, "Seconds that a finished job is kept")
       ->check(CLI::PositiveNumber);

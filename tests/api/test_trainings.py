@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import time
 from pathlib import Path
-from typing import Any, Callable, Dict
+from typing import Any, Callable, Dict, Tuple
 
 import pytest
 
@@ -160,3 +161,29 @@ def test_a_dismissed_training_ends_its_program_and_goes_on_with_the_same_request
     lab_server.delete(f"/v1/jobs/{again}")
     wait_for(lab_server, again, 30)
     assert all(os.path.getsize(path) >= size for path, size in before.items())
+
+
+def test_a_training_that_is_killed_ten_times_ends_with_the_same_bytes(new_server: NewServer, contract: Contract) -> None:
+    def begin(data: str) -> Tuple[ServerProcess, Api]:
+        server = new_server("--lab", str(LAB), data=data)
+        api = Api(server, contract)
+        assert api.post("/v1/families", {"definition": parallelograms("own")}).status_code == 201
+        return server, api
+
+    request = training("own", accuracy={"error": 0.4})
+    server, api = begin("whole")
+    assert wait_for(api, api.post(TRAININGS, request).json()["id"])["state"] == "successful"
+    (model,) = Path(server.data, "trainings").glob("*/network/model.h5")
+    (plan,) = Path(server.data, "trainings").glob("*/plan.txt")
+    killed, api = begin("killed")
+    # The plan depends on the time of the first designs, and is the same here.
+    folder = Path(killed.data, "trainings", plan.parent.name)
+    folder.mkdir(parents=True)
+    shutil.copy(plan, folder)
+    job = api.post(TRAININGS, request).json()["id"]
+    for number in range(10):
+        time.sleep(1 + number % 3)
+        killed.kill()
+        killed.start()
+    assert wait_for(api, job)["state"] == "successful"
+    assert Path(folder, "network", "model.h5").read_bytes() == model.read_bytes()

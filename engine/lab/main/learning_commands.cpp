@@ -25,7 +25,8 @@ struct LearningArguments {
   int threads = 0;
 };
 
-/// Writes a line on stdout for each change, which a program can read: "progress 0.25 designs", "error 0.031 120".
+/// Writes a line on stdout for each change, which a program can read: "progress 0.25 designs", "saved", "error 0.031
+/// 120".
 class ProgressLines : public LearningListener {
  public:
   void progress(double fraction, const std::string& stage) override {
@@ -35,6 +36,11 @@ class ProgressLines : public LearningListener {
     thousandths_ = thousandths;
     stage_ = stage;
     fmt::print("progress {:.3f} {}\n", fraction, stage);
+    std::fflush(stdout);
+  }
+  void saved() override {
+    const std::scoped_lock lock(mutex_);
+    fmt::print("saved\n");
     std::fflush(stdout);
   }
   void error_reached(double error, std::int64_t designs) override {

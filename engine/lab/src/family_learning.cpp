@@ -12,8 +12,10 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <optional>
 #include <sstream>
 #include <string_view>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -40,6 +42,13 @@ constexpr std::int64_t min_simulated_designs = 20;
 /// Held-out designs, if all even designs can be simulated and are within the bounds.
 constexpr double min_test_designs = 6;
 constexpr double min_validation_designs = 3;
+
+/// When a file was last written; nothing if it does not exist.
+std::optional<fs::file_time_type> time_of(const fs::path& path) {
+  std::error_code error;
+  const auto time = fs::last_write_time(path, error);
+  return error ? std::nullopt : std::optional(time);
+}
 
 std::string content_of(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -100,7 +109,8 @@ std::string describe(const LearningOptions& options) {
 /// Passes the progress of a data set on.
 class DesignProgress : public MakeListener {
  public:
-  DesignProgress(std::function<void(double)> report) : report_(std::move(report)) {}
+  DesignProgress(std::function<void(double)> report, std::function<void()> saved)
+      : report_(std::move(report)), saved_(std::move(saved)) {}
 
   void started(std::int64_t designs, std::int64_t already_finished, std::int64_t /*states*/) override {
     designs_ = designs;
@@ -108,11 +118,13 @@ class DesignProgress : public MakeListener {
   }
   void state_reached() override {}
   void design_done(const dataset::Design& /*design*/) override {
+    saved_();
     report_(static_cast<double>(++done_) / static_cast<double>(std::max<std::int64_t>(1, designs_)));
   }
 
  private:
   std::function<void(double)> report_;
+  std::function<void()> saved_;
   std::int64_t designs_ = 1;
   std::int64_t done_ = 0;
 };
@@ -197,7 +209,7 @@ class LearningRun {
     const double share = simulation_share(round);
     if (data.designs > 0) {
       const auto path = folder_ / ("round-" + std::to_string(round) + ".h5");
-      DesignProgress progress([&](double done) { report("designs", done, share); });
+      DesignProgress progress([&](double done) { report("designs", done, share); }, [&] { note_saved(); });
       if (!make_dataset(data, path, cancellation_, &progress).finished) throw Stopped();
       sets_.push_back(dataset::read_dataset(path));
       for (const auto& design : sets_.back().designs) result_.designs += design.rows.empty() ? 0 : 1;
@@ -247,11 +259,16 @@ class LearningRun {
       options.training.epochs = epochs;
       options.training.seed = seed;
       options.training.device = training::DeviceKind::cpu;
-      const auto result = training::train_model(
-          data(), name_of_data(), engine_version(), options, checkpoint, cancellation_,
-          [&](const training::EpochReport& epoch) { report(stage, static_cast<double>(epoch.epoch) / epochs, share); });
+      auto written = time_of(checkpoint);
+      const auto result = training::train_model(data(), name_of_data(), engine_version(), options, checkpoint,
+                                                cancellation_, [&](const training::EpochReport& epoch) {
+                                                  report(stage, static_cast<double>(epoch.epoch) / epochs, share);
+                                                  if (std::exchange(written, time_of(checkpoint)) != written)
+                                                    note_saved();
+                                                });
       if (!result.finished) throw Stopped();
       neural::write_model(path, result.model);
+      note_saved();
     }
     fs::remove(checkpoint);
     end_stage(stage, share);
@@ -302,6 +319,9 @@ class LearningRun {
                                                 std::to_string(min_simulated_designs) + " are needed." + why);
   }
 
+  void note_saved() {
+    if (listener_) listener_->saved();
+  }
   void note_error(double error) {
     if (listener_) listener_->error_reached(error, result_.designs);
   }

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <exception>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -62,6 +63,9 @@ struct Job final : ProgressSink {
 
   void report(double fraction, std::string_view name) override;
   void publish(std::string_view text) override;
+  void saved() override {
+    if (on_saved) on_saved();
+  }
 
   JobBoard& board;
   const std::string id;
@@ -76,6 +80,7 @@ struct Job final : ProgressSink {
   std::uint64_t number_in_session = 0;   ///< set before any thread may end the job
   Clock::time_point last_report{};       ///< used by the computing thread alone
   Clock::time_point last_published{};    ///< used by the computing thread alone
+  std::function<void()> on_saved;        ///< used by the computing thread alone
   std::uint64_t shared_version = 0;      ///< version that other servers know; used by the lease keeper alone
 
   store::JobRecord record;

@@ -81,6 +81,14 @@ void JobBoard::set_running(Job& job) {
   if (job.phase == Phase::starting) job.phase = Phase::running;
 }
 
+std::optional<store::JobRecord> JobBoard::count_starts_anew(Job& job) {
+  const std::lock_guard lock(mutex_);
+  if (job.phase != Phase::running || job.record.attempts <= 1) return std::nullopt;
+  job.record.attempts = 1;
+  if (job.row != Row::written) return std::nullopt;
+  return job.record;
+}
+
 void JobBoard::set_progress(Job& job, double fraction, std::string_view stage) {
   const std::lock_guard lock(mutex_);
   job.progress = std::clamp(fraction, job.progress, 1.0);

@@ -39,6 +39,9 @@ class JobBoard {
   /// A worker starts a job that waits. Nothing if another thread ends it.
   std::optional<Start> start(Job& job);
   void set_running(Job& job);
+  /// The next start of the job goes on with what was saved, so that earlier starts do not count against it any more.
+  /// The record if this changes it and the store has to write it.
+  std::optional<store::JobRecord> count_starts_anew(Job& job);
   void set_progress(Job& job, double fraction, std::string_view stage);
   /// `notify`: whether clients hear of it now, and not with the next change.
   void set_partial(Job& job, std::string_view partial, bool notify);

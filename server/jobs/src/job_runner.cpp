@@ -150,6 +150,10 @@ void JobRunner::run(const Scheduler::Task& task, Scheduler::Seat& seat) {
     Execution execution;
     execution.cancellation = job->token;
     execution.progress = job.get();
+    job->on_saved = [&] {
+      // A job that the store does not name any more is stopped by the keeper of leases.
+      if (const auto record = board_.count_starts_anew(*job)) (void)journal_.update(*record);
+    };
     result = run_computation(job->computation, execution, options_.memory);
   } catch (...) {
     failure = std::current_exception();

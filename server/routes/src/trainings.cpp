@@ -181,6 +181,7 @@ store::Result train(const Training& training, const Execution& outer) {
     for (std::string option; options >> option;) arguments.push_back(option);
     const StageTimer timer(execution.cost, "learning");
     run_lab(training, std::move(arguments), execution, [&](std::string_view line) {
+      if (execution.progress && line == "saved") execution.progress->saved();
       if (const auto progress = trainings::progress_in(line))
         if (execution.progress) execution.progress->report(progress->fraction, progress->stage);
       if (const auto error = trainings::error_in(line)) {

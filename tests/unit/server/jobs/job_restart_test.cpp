@@ -91,6 +91,21 @@ TEST_F(JobQueueTest, GivesAJobUpThatTheProcessEndedInTooOften) {
   EXPECT_FALSE(store_->blobs().has_request("thrice"));
 }
 
+TEST_F(JobQueueTest, CountsStartsAnewOnceAJobHasSavedSomethingForTheNext) {
+  std::atomic<int> attempts{0};
+  remake_ = [&](const store::JobRecord& record, const store::StoredRequest&, const Execution&) {
+    return computation([this, &attempts, id = record.id](const Execution& execution) {
+      if (id == "saves") execution.progress->saved();
+      attempts += store_->jobs().job(id)->attempts;
+      return store::Result{"text/plain", {}, "x"};
+    });
+  };
+  leave_running("saves", 2, "x");
+  EXPECT_EQ(wait_until_finished("saves").record.state, JobState::successful);
+  EXPECT_EQ(attempts, 1) << "the store knows it while the job runs";
+  EXPECT_EQ(store_->jobs().job("saves")->attempts, 1);
+}
+
 TEST_F(JobQueueTest, NotesInTheStoreThatAJobBegins) {
   const auto waited = queue().run_within(endless(), 0.1, {});
   ASSERT_FALSE(waited.result);

@@ -26,6 +26,7 @@ class PartOfExecution {
       outer_->report(first_ + length_ * fraction, stage);
     }
     void publish(std::string_view partial) override { outer_->publish(partial); }
+    void saved() override { outer_->saved(); }
 
    private:
     ProgressSink* outer_;

@@ -13,6 +13,8 @@ class ProgressSink {
   /// Receives an intermediate result, in a form that the receiver knows. The latest one counts. Most receivers ignore
   /// it.
   virtual void publish(std::string_view /*partial*/) {}
+  /// Hears that the next start of the computation goes on with what has been computed so far, even after a crash.
+  virtual void saved() {}
 };
 
 }  // namespace supple

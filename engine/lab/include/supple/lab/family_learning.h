@@ -60,6 +60,8 @@ class LearningListener {
   virtual ~LearningListener() = default;
   /// `fraction` of the run is done; `stage` is "designs", "committee", "network" or "error bars".
   virtual void progress(double fraction, const std::string& stage) = 0;
+  /// Something new has been written with which the next start goes on.
+  virtual void saved() {}
   /// The mean relative error of the stress that was measured on designs held out of the last networks.
   virtual void error_reached(double error, std::int64_t designs) = 0;
 };

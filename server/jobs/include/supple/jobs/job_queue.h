@@ -32,8 +32,9 @@ struct QueueOptions {
   double retention = 7 * 86400;                ///< seconds for which a finished job is stored; setting --retention
   std::size_t max_jobs = 10'000;               ///< finished jobs that are stored; setting --max-jobs
   budget::MemoryBudget* memory = nullptr;      ///< memory that computations may take; null: any amount
-  int max_attempts = 3;  ///< starts of a job before it fails because the process crashed in each; setting
-                         ///< --max-attempts
+  /// Starts of a job, since it saved something for the next one, before it fails because the process crashed in each;
+  /// setting --max-attempts.
+  int max_attempts = 3;
   std::function<void()> clean_up_too{};  ///< called every minute by the cleaner, after its own work
 };
 
