@@ -26,11 +26,15 @@ constexpr std::array<std::string_view, 25> families{
     "computation", "job",   "server",  "store", "tiling", "simulation", "dataset", "model",   "file",
     "training",    "weave", "network", "host",  "solid",  "voronoi",    "access"};
 
+/// Endings of files' names: "model.md" has the form of a code, and is none.
+constexpr std::array<std::string_view, 4> endings{"csv", "json", "md", "svg"};
+
 /// Whether a string literal has the form of a code: a family, a dot, and lower-case letters or underscores.
 bool is_code(std::string_view literal) {
   const auto dot = literal.find('.');
   if (dot == std::string_view::npos || dot + 1 == literal.size()) return false;
   if (std::find(families.begin(), families.end(), literal.substr(0, dot)) == families.end()) return false;
+  if (std::find(endings.begin(), endings.end(), literal.substr(dot + 1)) != endings.end()) return false;
   return literal.find_first_not_of("abcdefghijklmnopqrstuvwxyz_", dot + 1) == std::string_view::npos;
 }
 

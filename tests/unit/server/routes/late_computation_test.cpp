@@ -142,9 +142,13 @@ TEST_F(LateComputationTest, TheClientHasItsProblemWhileTheComputationIsHeldAndOt
 
 TEST_F(LateComputationTest, WhatIsComputedLaterIsDroppedAndTheAnswerIsToldOfOnce) {
   get("/held");
+  // An answer is told of after it has been sent, so the next request may overtake it.
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return !answered_.empty(); });
+  lock.unlock();
   gate_.open();
   get("/quick");
-  std::unique_lock lock(mutex_);
+  lock.lock();
   changed_.wait(lock, [this] { return answered_.size() >= 2; });
   lock.unlock();
   while (jobs_->abandoned() > 0) std::this_thread::sleep_for(1ms);
