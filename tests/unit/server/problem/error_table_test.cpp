@@ -21,20 +21,29 @@ std::string content(const std::filesystem::path& path) {
   return text.str();
 }
 
-constexpr std::array<std::string_view, 25> families{
-    "minimizer",   "http",  "request", "mesh",  "point",  "geodesic",   "field",   "karcher", "exponential_map",
-    "computation", "job",   "server",  "store", "tiling", "simulation", "dataset", "model",   "file",
-    "training",    "weave", "network", "host",  "solid",  "voronoi",    "access"};
+/// What the codes of the table begin with, up to the dot.
+const std::set<std::string_view>& families() {
+  static const auto found = [] {
+    std::set<std::string_view> all;
+    for (const auto& kind : error_table()) all.insert(kind.code.substr(0, kind.code.find('.')));
+    return all;
+  }();
+  return found;
+}
 
 /// Endings of files' names: "model.md" has the form of a code, and is none.
 constexpr std::array<std::string_view, 4> endings{"csv", "json", "md", "svg"};
+
+/// Names of random sequences, which have the form of codes.
+constexpr std::array<std::string_view, 1> sequences{"design.family_atlas"};
 
 /// Whether a string literal has the form of a code: a family, a dot, and lower-case letters or underscores.
 bool is_code(std::string_view literal) {
   const auto dot = literal.find('.');
   if (dot == std::string_view::npos || dot + 1 == literal.size()) return false;
-  if (std::find(families.begin(), families.end(), literal.substr(0, dot)) == families.end()) return false;
+  if (!families().contains(literal.substr(0, dot))) return false;
   if (std::find(endings.begin(), endings.end(), literal.substr(dot + 1)) != endings.end()) return false;
+  if (std::find(sequences.begin(), sequences.end(), literal) != sequences.end()) return false;
   return literal.find_first_not_of("abcdefghijklmnopqrstuvwxyz_", dot + 1) == std::string_view::npos;
 }
 
