@@ -98,6 +98,7 @@ FREE: Dict[str, str] = {
     "families": "--check",
     "families add": "--type --id",
     "families atlas": "--samples --mesh-size --error-samples --crossings --recompute --deadline --output",
+    "families train": "--core-time --error --seed --deadline --plan",
     "structure": "--parameters --svg --dxf --stl --beam-width",
     "part": """--parameters --coupon --block --rectangle --outline --request --beam-width --orientation --direction --axis --from --design --frame
         --smallest-wall --thickness --density --whole --step --stl --3mf --dxf --svg""",

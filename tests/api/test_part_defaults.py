@@ -16,14 +16,14 @@ from harness import CLI, ROOT, Api
 PARTS = "/v1/parts"
 CONTRACT = yaml.safe_load((ROOT / "api" / "openapi.yaml").read_text())["components"]["schemas"]
 FIELDS = CONTRACT["PartRequest"]["properties"]
-ENDS = FIELDS["outline"]["properties"]
+ENDS = CONTRACT["PartOutline"]["properties"]
 
 DEFAULTS: Dict[str, float] = {
     "grip": ENDS["coupon"]["properties"]["grip_length"]["default"],
     "plate": ENDS["block"]["properties"]["plate"]["default"],
     "beam width": CONTRACT["BeamWidth"]["default"],
-    "thickness": FIELDS["thickness"]["default"],
-    "frame": FIELDS["frame"]["default"],
+    "thickness": CONTRACT["PartThickness"]["default"],
+    "frame": CONTRACT["PartFrame"]["default"],
     "density": FIELDS["material"]["properties"]["density"]["default"],
 }
 """What the contract says, mm and g/cm^3."""

@@ -108,7 +108,7 @@ def test_a_resumed_job_answers_in_the_form_that_was_asked_for(new_server: NewSer
     mesh = api.upload(*bumpy_sphere(3))
     accept = "application/octet-stream"
     expected = api.post(FIELDS, field(mesh, 3), headers={"Accept": accept}).content
-    submit(api, long(mesh))
+    first = submit(api, slow_relaxation(mesh, 100_000))  # still runs when the server is killed, and is removed then
     job = submit(api, field(mesh, 3), Accept=accept)
     points = [{"vertex": vertex % 640} for vertex in range(5000)]
     large = submit(api, {"mesh": mesh, "sources": points * 4})
@@ -117,6 +117,7 @@ def test_a_resumed_job_answers_in_the_form_that_was_asked_for(new_server: NewSer
     server.kill()
     server.start()
     api = Api(server, contract)
+    assert api.delete(f"/v1/jobs/{first}").status_code == 200
     assert api.wait_for_job(job)["state"] == "successful"
     result = api.get(f"/v1/jobs/{job}/result")
     assert (result.headers["Content-Type"], result.content) == (accept, expected)
