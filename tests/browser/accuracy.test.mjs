@@ -136,7 +136,7 @@ describe("a chip of an effect", () => {
     await buckling.focus();
     await page.keyboard.press("Enter");
     await until(() => last(page.profiles).effects.buckling === "on", "always");
-    assert.match(await buckling.textContent(), /, always$/);
+    await until(async () => /, always$/.test(await buckling.textContent()), "the chip says so");
     await page.keyboard.press("Enter");
     await until(() => last(page.profiles).effects.buckling === "off", "never");
     await weave.settled();
